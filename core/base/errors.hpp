@@ -1,4 +1,4 @@
-/// Errors that a user can cause, with the place they come from.
+/// Errors that a user can cause, with their position in the scene.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// Place in a scene file; line 0 means "no line known" (for example a value given by --set).
+/// Position in a scene file; line 0 means "no line known" (for example a value given by --set).
 struct SourcePlace {
   std::string file;
   int line = 0;

@@ -12,10 +12,10 @@ struct MemoryBudget {
   std::string remedy;  ///< how to have more, or empty
 };
 
-/// The least of: memory that the system has available (swap not counted), what the control group of this process and
-/// those above it leave, and its limit of address space (ulimit -v). The environment variable CGCONTACT_MEMORY_LIMIT
-/// (as for parse_memory; set by --memory-limit) takes the place of all of them.
-/// Of several ranks: what the rank with the least had when the run began, or its part where they share a machine.
+/// Returns the least of: memory that the system has available (swap not counted), what the control group of this
+/// process and those above it leave, and its limit of address space (ulimit -v). The environment variable
+/// CGCONTACT_MEMORY_LIMIT (as for parse_memory; set by --memory-limit) replaces all of them. With several ranks: that
+/// of the rank with the least when the run began, or its share of a machine.
 MemoryBudget memory_budget();
 /// To be called by all ranks once they run.
 void agree_on_memory();
@@ -33,7 +33,7 @@ std::string memory_text(double bytes);
 /// phases that need much for a while.
 void return_freed_memory();
 
-/// std::bad_alloc, or what Kokkos throws in its place.
+/// Returns whether it is std::bad_alloc, or what Kokkos throws instead.
 bool is_out_of_memory(const std::exception& error);
 
 /// Returns what a control group and those above it leave, bytes; infinite without a limit. `groups` is the text of

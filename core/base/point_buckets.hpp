@@ -1,4 +1,4 @@
-/// Numbered points in cubes of one size, for loops over all points near a place.
+/// Numbered points in cubes of one size, for loops over all points near a position.
 #pragma once
 
 #include <array>

@@ -114,7 +114,7 @@ MPI_Comm failures = MPI_COMM_NULL;
 /// Seconds that the ranks may be apart when all of them fail.
 constexpr double patience = 5;
 
-/// MPI counts in int: more than that goes in pieces.
+/// MPI counts in int: longer arrays go in chunks.
 constexpr std::size_t largest_count = INT_MAX / 2;
 
 template <class T>

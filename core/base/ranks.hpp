@@ -55,7 +55,7 @@ struct OtherRankFailed : std::runtime_error {
 };
 /// Does something on the first rank only; its exceptions are those of all ranks (OtherRankFailed on the others).
 void on_first_rank(const std::function<void()>& what);
-/// Every rank does its part; an InputError of one of them is thrown on all.
+/// Runs `what` on every rank; an InputError of one of them is thrown on all.
 void on_all_ranks(const std::function<void()>& what);
 /// Text of the first rank.
 std::string text_of_first_rank(const std::string& own);

@@ -21,8 +21,8 @@ namespace {
 using CpuSet = std::vector<cpu_set_t>;
 std::size_t bytes(const CpuSet& set) { return set.size() * sizeof(cpu_set_t); }
 
-/// CPUs of this process; empty if the system does not say. An OpenMP runtime that binds its threads has bound the first
-/// one, before main, to a CPU of its own: the places of all threads are what the process may use.
+/// Returns the CPUs of this process; empty if the system does not say. An OpenMP runtime that binds its threads has
+/// bound the first one, before main, to a CPU of its own: those of all threads are what the process may use.
 CpuSet usable_cpus() {
 #ifdef _OPENMP
   if (const int places = omp_get_num_places(); places > 0) {
@@ -110,7 +110,7 @@ void restart_with_openmp_settings(int threads, char** argv) {
     threads = available_threads();
   }
   bool changed = threads > 0 && set_variable("OMP_NUM_THREADS", std::to_string(threads));
-  // A part of the machine stays unbound: two such programs would be bound to the same part.
+  // Threads on a share of the machine stay unbound: two such programs would be bound to the same CPUs.
   if (!std::getenv("GOMP_CPU_AFFINITY")) {
     changed |= set_if_absent("OMP_PROC_BIND", threads == available ? "spread" : "false");
     changed |= set_if_absent("OMP_PLACES", "threads");

@@ -12,8 +12,8 @@ long long peak_memory_bytes();
 /// time.
 int available_threads();
 
-/// The CPUs that a control group and those above it allow (quota / period); 0: no limit. `groups` is the text of
-/// /proc/self/cgroup, `root` the place where the hierarchies are mounted (/sys/fs/cgroup); versions 1 and 2.
+/// Returns the CPUs that a control group and those above it allow (quota / period); 0: no limit. `groups` is the text
+/// of /proc/self/cgroup, `root` the mount point of the hierarchies (/sys/fs/cgroup); versions 1 and 2.
 double cpu_quota(const std::string& groups, const std::string& root);
 
 /// Settings of the OpenMP runtime, which reads them before main: starts the program again, in the same process, with

@@ -17,7 +17,7 @@ namespace {
 
 /// Fraction of a cell by which triangles may be off the surface.
 constexpr double sag_of_cell = 0.01;
-/// A place found on the surface may be so many sags from the place on the triangle that it was looked for from.
+/// Largest distance, in sags, from a point found on the surface to the point on the triangle that the search began at.
 constexpr double near_sags = 4;
 /// Nearer to the triangles than this, in sags, the exact surface decides what is inside.
 constexpr double exact_within = 2;
@@ -44,7 +44,7 @@ Vec2 corner_weights(const TriangleSurface& surface, int triangle, const Vec3& x)
   return {n.dot(y.cross(v)) * inverse, n.dot(u.cross(y)) * inverse};
 }
 
-/// A place on the exact surface, in the coordinates of the body.
+/// Point on the exact surface, in the coordinates of the body.
 struct ExactPlace {
   Vec3 x, normal;
 };
@@ -142,7 +142,7 @@ std::shared_ptr<const BodyGeometry> CadBody::transformed(const Mat3& rotation, c
 /// as if all of its cells were as small as those in the contact zone.
 std::shared_ptr<const BodyGeometry> CadBody::on_level(int level, const CellTree& tree) const {
   const double scale = std::ldexp(1.0, level);
-  // Pieces of pruned cells go to leaves up to three cells of the level before away; images bulge out of the boxes.
+  // Boundary of pruned cells goes to leaves up to three cells of the level before away; images bulge out of the boxes.
   const Vec3 margin = Vec3::Constant(3 * 2 / scale + 4 * sag_of_cell);
   const auto wanted = [&](const Vec3& low, const Vec3& high) {
     return tree.is_refined_in(level - 1, low / scale - margin, high / scale + margin);

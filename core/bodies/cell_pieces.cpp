@@ -12,7 +12,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double lost_piece = 1e-14;    // area of the pieces of one surface in a cell that is rounding
+constexpr double lost_piece = 1e-14;    // area of one surface in a cell that is rounding
 constexpr double half_diagonal = 0.87;  // of a cube of width 1
 constexpr double lost_group = 1e-15;    // the same for what dividers leave
 
@@ -70,7 +70,8 @@ void add_normals(const std::vector<SurfacePoint>& points, FunctionTable& functio
     for (const SurfacePoint& point : points) functions.values.push_back(point.normal[k]);
 }
 
-/// Appends one group of points of a piece (those of one side of every divider), with as few points as the degree needs.
+/// Appends the points of one group in a piece (those of one side of every divider), with as few points as the degree
+/// needs.
 void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* end, int order, int surface, int owner,
                bool with_pieces, BoundaryPoints& points) {
   const int n = static_cast<int>(end - begin);

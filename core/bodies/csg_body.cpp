@@ -16,7 +16,7 @@ namespace cgcontact {
 namespace {
 
 constexpr double merge_tolerance = 1e-12;  // relative to the size of the solid
-/// Cosine below which a surface is along an axis, and part of a prism's length by which its ends may be off.
+/// Cosine below which a surface is along an axis, and fraction of a prism's length by which its ends may be off.
 constexpr double right_angle = 1e-9;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

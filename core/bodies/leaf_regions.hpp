@@ -34,7 +34,7 @@ struct Leaf {
 void for_each_leaf(const CsgBody& solid, const LocalSolid& local, const Vec3& corner,
                    const std::vector<Plane>& dividers, const std::function<void(const Leaf&)>& visit);
 
-/// The part of the leaf's upper face across `axis` that is inside, in the frame of that axis.
+/// Returns the region of the leaf's upper face across `axis` that is inside, in the frame of that axis.
 Region face_region(const Leaf& leaf, int axis);
 
 struct SurfacePoint {

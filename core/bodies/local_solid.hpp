@@ -1,4 +1,4 @@
-/// The surfaces of a body that cross one cell or a part of one.
+/// Surfaces of a body that cross a cell or a box in one.
 #pragma once
 
 #include <vector>

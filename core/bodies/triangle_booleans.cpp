@@ -53,7 +53,7 @@ struct Operand {
   }
 };
 
-/// Hands the numbers of the faces on to their parts and copies.
+/// Hands the numbers of the faces on to their fragments and copies.
 struct KeepNumbers : pmp::Corefinement::Default_visitor<Mesh> {
   std::map<const Mesh*, FaceNumbers>* numbers;
   int divided = far_away;
@@ -233,7 +233,7 @@ class Faceting {
   Operand half_space(const Surface& plane, int face) const {
     const double distance = plane.signed_distance(place_.centre), length = 2 * (place_.radius + std::abs(distance));
     const auto [t1, t2] = across(plane.direction);
-    // On the plane, beside the place; along an axis the coordinate of the plane itself.
+    // The foot on the plane, beside the centre; along an axis the coordinate of the plane itself.
     Vec3 foot = place_.centre - distance * plane.direction;
     for (int i = 0; i < 3; ++i)
       if (std::abs(plane.direction[i]) == 1) foot[i] = plane.point[i];

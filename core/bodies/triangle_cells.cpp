@@ -21,7 +21,7 @@ constexpr int most = 1 << (bits - 1);
 /// Tolerance of a face's projected area (4 in cell coordinates): a closed surface misses 0 or 1 by rounding only.
 constexpr double closed_tolerance = 1e-6;
 
-/// Integrals of n_x L_j(y) L_k(z) over pieces of surface.
+/// Integrals of n_x L_j(y) L_k(z) over facets.
 using Section = std::array<double, n1 * n1>;
 
 long long code(const Index3& cell) {

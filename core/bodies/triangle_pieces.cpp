@@ -15,11 +15,11 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double lost_piece = 1e-14;  // area of the pieces of one patch in a cell that is rounding
+constexpr double lost_piece = 1e-14;  // area of one patch in a cell that is rounding
 constexpr double lost_group = 1e-15;  // the same for what dividers leave
 constexpr double plane_tolerance = 1e-10;
 constexpr double flat_tolerance = 1e-12;
-constexpr double join_tolerance = 1e-12;      // relative: parts as large as their convex hull fill it
+constexpr double join_tolerance = 1e-12;      // relative: facets as large as their convex hull fill it
 constexpr double straight_tolerance = 1e-13;  // sine of the angle at a corner
 constexpr double parallel_tolerance = 1e-14;
 /// Planes up to which they get the full rule, or one of degree 2: of a patch in a cell, of all patches in a cell.
@@ -58,8 +58,8 @@ Vec3 twice_area(const SurfacePolygon& p) {
 }
 
 /// Cuts a polygon by a chord where the values of its corners change sign; cut(a, b) is the point between a negative and
-/// a positive corner. The positive part is the run of positive corners around the largest value, all others belong to
-/// the other part: exact even where rounding makes the polygon look as if it crossed more than twice. A part without
+/// a positive corner. The positive polygon is the run of positive corners around the largest value, all others belong
+/// to the other: exact even where rounding makes the polygon look as if it crossed more than twice. A polygon without
 /// corners of its sign is empty.
 template <class Value, class Cut>
 void cut_polygon(const SurfacePolygon& polygon, const Value& value, const Cut& cut, SurfacePolygon& negative,
@@ -99,7 +99,7 @@ void cut_polygon(const SurfacePolygon& polygon, const Value& value, const Cut& c
   negative.push(begin);
 }
 
-/// Parts on the negative side of a plane and on the other one.
+/// Splits into the polygons on the negative side of a plane and on the other one.
 void split_at(const SurfacePolygon& polygon, const Plane& plane, SurfacePolygon& negative, SurfacePolygon& positive) {
   const auto value = [&](const Vec3& x) { return plane.normal.dot(x) - plane.offset; };
   cut_polygon(
@@ -208,7 +208,7 @@ FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
   std::vector<double> local[3];
   for (int k = 0; k < 3; ++k)
     for (const FacetPoint& p : points) local[k].push_back(p.point.position[axes[k]]);
-  FunctionTable table = surface_polynomials(local, degree, true);  // scales the places to -1 .. 1
+  FunctionTable table = surface_polynomials(local, degree, true);  // scales the positions to -1 .. 1
   int f = table.num_functions;
   table.num_functions += 13;
   table.values.resize(static_cast<std::size_t>(table.num_functions) * n);
@@ -314,7 +314,7 @@ class PointMaker {
     return std::min(full, num_planes_ <= quadratic_rule_planes_of_cell ? 2 : 1);
   }
 
-  /// Points of the parts begin .. end, those of one patch.
+  /// Adds the points of the parts begin .. end, those of one patch.
   void make_patch_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
     const int degree = degree_of(part(begin).patch);
     for (std::size_t next = begin; begin < end; begin = next) {
@@ -325,8 +325,8 @@ class PointMaker {
     }
   }
 
-  /// Points of the parts begin .. end, those of a patch with many planes: a bounded number on one side of every
-  /// divider.
+  /// Adds the points of the parts begin .. end, those of a patch with many planes: a bounded number on one side of
+  /// every divider.
   void make_facet_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
     const int patch = part(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
@@ -359,7 +359,7 @@ class PointMaker {
     }
   }
 
-  /// One group: parts in one plane on one side of every divider. Where they make up a convex polygon they are one.
+  /// Adds one group: parts in one plane on one side of every divider. Where they make up a convex polygon they are one.
   void make_group_points(std::size_t begin, std::size_t end, int degree, int owner, BoundaryPoints& points) const {
     const Vec3& normal = surface_.normal(part(begin).triangle);
     std::vector<RulePoint> rule;
@@ -416,8 +416,8 @@ class PointMaker {
     }
   }
 
-  /// Points of the parts begin .. end, those of a curved face of a CAD body: with the integrals of many more points of
-  /// all polynomials as on the quadrics of CSG bodies, of the normal and of the flux of the position.
+  /// Adds the points of the parts begin .. end, those of a curved face of a CAD body: with the integrals of many more
+  /// points of all polynomials as on the quadrics of CSG bodies, of the normal and of the flux of the position.
   void make_curved_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
     const int patch = part(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
@@ -446,7 +446,7 @@ class PointMaker {
     }
   }
 
-  /// About as many points as there are functions twice, more of them on the larger parts.
+  /// Adds about twice as many points as there are functions, more of them on the larger parts.
   void add_few_points(std::size_t begin, std::size_t end, int triangles, std::vector<FacetPoint>& rule) const {
     // A rule of degree 2 n - 1 has n^2 points on a triangle.
     int n = 1;
@@ -482,7 +482,7 @@ class PointMaker {
     std::vector<double> local[3];
     for (int k = 0; k < 3; ++k)
       for (const FacetPoint& p : rule) local[k].push_back(p.point.position[axes[k]] - rule[0].point.position[axes[k]]);
-    FunctionTable table = surface_polynomials(local, order_ + 1, false);  // scales the places to -1 .. 1
+    FunctionTable table = surface_polynomials(local, order_ + 1, false);  // scales the positions to -1 .. 1
     int f = table.num_functions;
     table.num_functions += 4;
     table.values.resize(static_cast<std::size_t>(table.num_functions) * n);
@@ -506,7 +506,7 @@ class PointMaker {
     return weights;
   }
 
-  /// The convex hull of the parts, if it has no larger area than they have.
+  /// Joins the parts to their convex hull, if it has no larger area than they have.
   bool join_convex(std::size_t begin, std::size_t end, SurfacePolygon& whole) const {
     if (end - begin == 1) {
       whole = part(begin).polygon;

@@ -1,9 +1,9 @@
-/// The pieces of a triangle surface in one cell: clipping and quadrature points. Grid coordinates.
+/// Pieces of a triangle surface in one cell: clipping and quadrature points. Grid coordinates.
 /// Corner cases, decided here:
 /// - Cells are cut out axis by axis. An intersection with a grid plane gets its coordinate exactly and is computed from
 ///   the end of the edge below the plane to the one above, so that triangles with a common edge agree on it.
 /// - A piece that lies in a grid plane up to 1e-12 cells belongs to the cell on its inner side: no slivers of rounding.
-/// - A polygon is cut along one chord into two parts whose areas add up to its own, whatever rounding does to the
+/// - A polygon is cut along one chord into two polygons whose areas add up to its own, whatever rounding does to the
 ///   corners. So every piece of surface lies in exactly one cell.
 #pragma once
 
@@ -38,10 +38,10 @@ struct SurfacePolygon {
 /// The whole triangle.
 SurfacePolygon triangle_polygon(const TriangleSurface& surface, int triangle);
 
-/// Parts with x[axis] below and above the value; one is empty unless corners lie strictly on both sides.
+/// Splits at x[axis] = value into the polygons below and above; one is empty unless corners lie strictly on both sides.
 void split_at(const SurfacePolygon& polygon, int axis, double value, SurfacePolygon& below, SurfacePolygon& above);
 
-/// The part of a triangle in a cell; no corners if there is none.
+/// Clips a triangle to a cell; no corners if nothing is left.
 SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const Index3& cell);
 
 /// Calls use(cell, piece) for all cells that hold a piece of the triangle.
@@ -63,16 +63,16 @@ void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriang
                               const std::vector<int>& triangles, const Index3& cell, const std::vector<char>& selected,
                               const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points);
 
-/// A place on a triangle of a piece: the weights of its corners 1 and 2, and how much of the triangle it stands for
-/// (the whole one: 1/2).
+/// Point on a triangle of a piece: the weights of its corners 1 and 2, and how much of the triangle it stands for (the
+/// whole one: 1/2).
 struct TrianglePlace {
   double a, b, weight;
 };
-/// The places of a rule on a piece, exact for polynomials of the degree on the flat triangle.
+/// Adds the points of a rule on a piece, exact for polynomials of the degree on the flat triangle.
 void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& piece, int degree,
                     std::vector<TrianglePlace>& places);
 
-/// The triangles that may have a piece in a cell, ascending.
+/// Returns the triangles that may have a piece in a cell, ascending.
 std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell);
 
 namespace triangle_pieces {

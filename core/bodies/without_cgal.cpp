@@ -1,4 +1,4 @@
-// Built in the place of what needs CGAL (CGCONTACT_CGAL=OFF).
+// Replaces what needs CGAL (CGCONTACT_CGAL=OFF).
 #include "core/base/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/triangles/triangle_repair.hpp"

@@ -185,7 +185,7 @@ std::string names_of_other_files(const Interface_InterfaceModel& model) {
   return text;
 }
 
-/// An assembly whose parts lie in other files: all of these have to be there.
+/// Checks that all files of an assembly's components are there.
 void check_other_files(const std::string& file, const STEPCAFControl_Reader& reader) {
   for (NCollection_DataMap<TCollection_AsciiString, Handle(STEPCAFControl_ExternFile)>::Iterator i(
            reader.ExternFiles());

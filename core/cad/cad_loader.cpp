@@ -90,7 +90,8 @@ auto measured(const Measure& measure, const CadModel& model) {
 /// mm: ends of edges that are nearer to each other are one; to the axis: on it.
 constexpr double same_end = 1e-5;
 
-/// Adds the parts of the axis inside of the body: between its first and second end there, its third and fourth one, ...
+/// Adds the segments of the axis inside of the body: between its first and second end there, its third and fourth one,
+/// ...
 void add_axis(std::vector<CadModel::SectionEdge>& edges) {
   std::vector<double> ends;
   for (const CadModel::SectionEdge& edge : edges)

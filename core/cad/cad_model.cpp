@@ -36,7 +36,7 @@ namespace {
 
 Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
-/// A plane whose axis is the normal of a surface in the middle of its part in use; throws where that has none.
+/// Returns a plane whose axis is the normal of a surface in the middle of its used range; throws where that has none.
 Handle(Geom_Surface) plane_along(const gp_Pln& plane, const BRepAdaptor_Surface& surface) {
   gp_Pnt x;
   gp_Vec u, v;

@@ -25,7 +25,7 @@ struct CadFace {
   double half_angle = 0;                     ///< radians: cone
   Vec3 middle = Vec3::Zero();                ///< mm, centroid of the face
   Vec3 axis = Vec3::Zero();                  ///< unit: outward normal of a plane, axis of the others
-  std::vector<std::string> names;            ///< "part.face": what it is called in the scene
+  std::vector<std::string> names;            ///< "part.face": its name in the scene
 };
 
 /// The kinds that a face may have.
@@ -89,12 +89,12 @@ struct CadReading {
 };
 
 /// OpenCASCADE may crash on a damaged file or a solid from it, or never end: all that it does with them, here and in
-/// CadModel, it does in child processes with limits of time and memory; an InputError says how such a one ended.
-/// All solids of a .step, .stp, .iges, .igs or .brep file in the places that the assembly gives them, in mm (.brep: in
-/// its own units). Throws InputError: not to be read, none, open shells, invalid ones.
+/// CadModel, it does in child processes with limits of time and memory; an InputError says how such a one ended. All
+/// solids of a .step, .stp, .iges, .igs or .brep file where the assembly places them, in mm (.brep: in its own units).
+/// Throws InputError: not to be read, none, open shells, invalid ones.
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading);
 
-/// Tells whether OpenCASCADE is in memory: it is loaded when it is first needed.
+/// Returns whether OpenCASCADE is in memory: it is loaded when it is first needed.
 bool cad_is_loaded();
 
 /// By the ending of its name: .step, .stp; .iges, .igs; .brep, .brp (which says nothing of units).

@@ -1,4 +1,4 @@
-/// Solids as bytes: the shapes in OpenCASCADE's binary format, all in one, so that those that share parts still do.
+/// Solids as bytes: the shapes in OpenCASCADE's binary format, all in one, so that those that share faces still do.
 #include <BRep_Builder.hxx>
 #include <BinTools.hxx>
 #include <TopExp.hxx>

@@ -135,7 +135,7 @@ std::vector<TopoDS_Solid> solids_of_shells(const TopoDS_Shape& shape) {
   return solids;
 }
 
-constexpr double sewing_share = 1e-4;             // of the part's diagonal: gaps that a repair closes
+constexpr double sewing_share = 1e-4;             // of the diagonal: gaps that a repair closes
 constexpr double iges_gap = 1e-3, no_gap = 1e-7;  // mm
 
 double diagonal(const TopoDS_Shape& shape) {
@@ -143,7 +143,7 @@ double diagonal(const TopoDS_Shape& shape) {
   return (high - low).norm();
 }
 
-/// The parts of the file as solids.
+/// Conversion of the file's shapes to solids.
 class SolidMaker {
  public:
   SolidMaker(const std::string& file, const Remarks& remarks, bool loose, bool repair)

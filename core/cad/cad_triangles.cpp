@@ -243,7 +243,7 @@ class Assembler {
       mesh->Triangle(t).Get(node[0], node[1], node[2]);
       if (reversed) std::swap(node[1], node[2]);
       const Triangle corners{point[node[0]], point[node[1]], point[node[2]]};
-      // Between two places of the line that a pole is.
+      // Triangles that lie on the line of a pole are dropped.
       if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
       CurvedTriangle triangle;
       triangle.face = f - 1;

@@ -155,14 +155,14 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
   triangles.clear();
   for (std::size_t t = 0; t < old_triangles.size(); ++t) {
     const CurvedTriangle& old = old_triangles[t];
-    // Up to six places around the triangle: its corners and the middles of its sides.
+    // Up to six points around the triangle: its corners and the middles of its sides.
     struct Place {
       int point;
       Vec2 uv;
       int corner;  ///< -1: a middle
     };
     std::vector<Place> around;
-    std::vector<CurvedTriangle::Side> sides;  // from each place to the next
+    std::vector<CurvedTriangle::Side> sides;  // from each point to the next
     for (int s = 0; s < 3; ++s) {
       around.push_back({old_corners[t][s], old.uv[s], s});
       const auto [low, high] = std::minmax(old_corners[t][s], old_corners[t][(s + 1) % 3]);

@@ -36,14 +36,14 @@ struct CurvedFace {
   double orientation = 1;  ///< of S_u x S_v: 1 outwards, -1 inwards
 };
 
-/// A place on the exact surface, in the coordinates of the triangles.
+/// Point on the exact surface, in the coordinates of the triangles.
 struct CurvedPlace {
   Vec3 x;
   Vec3 along_a, along_b;  ///< derivatives for the weights a, b of corners 1, 2
   Vec3 normal;            ///< outward unit normal
 };
 
-/// The image of a part of space under x -> scale * rotation * x + translation.
+/// Similarity x -> scale * rotation * x + translation.
 struct Similarity {
   Mat3 rotation = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
@@ -80,7 +80,7 @@ class CurvedTriangles {
   Vec2 parameters(int triangle, double a, double b) const;
   CurvedPlace place(int triangle, double a, double b) const;
 
-  /// Tells whether triangles in a box have to follow the surface; an empty function: all have to.
+  /// Returns whether triangles in a box have to follow the surface; an empty function: all have to.
   using Wanted = std::function<bool(const Vec3& low, const Vec3& high)>;
   /// Divides triangles until no side and no middle is farther than `sag` from the exact surface, of those whose boxes
   /// are wanted; computes the bends.
@@ -102,7 +102,7 @@ class CurvedTriangles {
   void find_bends();
 };
 
-/// The place of a parametric surface that is nearest to x, from a start near it; false if it is not found.
+/// Projects x to a parametric surface, from a start near the nearest point; false if it is not found.
 bool project(const ParametricSurface& surface, const Vec3& x, Vec2& uv, SurfaceJet& jet);
 /// Intersects the line x + t d with the surface, from a start near it; false if it is not found.
 bool meet(const ParametricSurface& surface, const Vec3& x, const Vec3& d, Vec2& uv, double& t, SurfaceJet& jet);

@@ -34,7 +34,7 @@ class References {
         skip_to(text_.find(c, at_ + 1), 1);
       } else if (c == '/' && text_.compare(at_, 2, "/*") == 0) {
         skip_to(text_.find("*/", at_ + 2), 2);
-      } else if (c == '<') {  // names of anchors and places in other files
+      } else if (c == '<') {  // names of anchors and positions in other files
         skip_to(text_.find('>', at_), 1);
       } else if (c == '#' && at_ + 1 < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_ + 1]))) {
         const int line = line_;
@@ -67,7 +67,7 @@ class References {
   }
 
  private:
-  /// Past a place and `length` characters from there; to the end if there is none.
+  /// Skips to `length` characters behind a position; to the end if there is none.
   void skip_to(std::size_t place, std::size_t length) {
     const std::size_t end = place == std::string::npos ? text_.size() : std::min(place + length, text_.size());
     line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),

@@ -12,7 +12,7 @@ struct Plane {
   Vec3 normal;
   double offset;                                                ///< normal . x = offset
   std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the pieces of these only
-  /// As a divider of facets: x is their unit normal, so that it parts those in a cone from the others.
+  /// As a divider of facets: x is their unit normal, so that it separates those in a cone from the others.
   bool of_normals = false;
 
   bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }

@@ -33,7 +33,7 @@ class Classifier {
     for (int k = 0; k < 3; ++k) end[k] = grid_.num_cells[k] + 1;
     Vec3 min, max;
     if (body_.bounding_box(min, max))
-      for (int k = 0; k < 3; ++k) {  // look for parts of the body far outside as well
+      for (int k = 0; k < 3; ++k) {  // look far outside as well
         begin[k] = static_cast<int>(std::floor(std::clamp(min[k], -1e8, -1.0)));
         end[k] = static_cast<int>(std::ceil(std::clamp(max[k], end[k] + 0.0, 1e8)));
       }

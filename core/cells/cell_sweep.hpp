@@ -1,5 +1,4 @@
-/// The cells of a grid (or of one level of it) that a body fills or crosses, found in parts that do not depend on each
-/// other.
+/// Cells of a grid (or of one level of it) that a body fills or crosses, found in independent chunks.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +17,8 @@ struct CellIntegrals {
   Index3 cell;
   Moments moments;
   BoundaryPoints points;  ///< `points.cell` is not set
-  /// Is the part of the body in the cell so thin that its moments need not be those of a positive measure? It is joined
-  /// with a neighbour whatever its volume.
+  /// The body in the cell is so thin that its moments need not be those of a positive measure: it is joined with a
+  /// neighbour whatever its volume.
   bool thin = false;
 };
 
@@ -33,9 +32,9 @@ class CellSweep {
   virtual ~CellSweep() = default;
   /// Cells that are known to be inside before the sweep. Called once.
   virtual GridNumbers take_inside() = 0;
-  /// The order of the parts is that of the cells, by k, j, i.
+  /// Returns the number of chunks, which are in the order of the cells, by k, j, i.
   virtual std::size_t num_parts() const = 0;
-  /// Appends what a part of the cells holds; different threads may sweep different parts. Throws InputError.
+  /// Appends the cells of a chunk; different threads may sweep different chunks. Throws InputError.
   virtual void sweep(std::size_t part, SweptCells& found) const = 0;
 };
 

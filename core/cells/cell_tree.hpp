@@ -42,16 +42,16 @@ class CellTree {
     return !is_refined(level, cell) &&
            (level == 0 || is_refined(level - 1, {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1}));
   }
-  /// Tells whether a divided cell of a level touches a box. Unit of the coordinates: a cell of level 0.
+  /// Returns whether a divided cell of a level touches a box. Unit of the coordinates: a cell of level 0.
   bool is_refined_in(int level, const Vec3& low, const Vec3& high) const;
-  /// The tree with every cell whose parts are all leaves put together again, for as far as the balance allows: one
-  /// level less.
+  /// Returns the tree with every cell whose children are all leaves merged, as far as the balance allows: one level
+  /// less.
   CellTree coarsened() const;
   /// The divided cells of a level.
   const GridNumbers& refined(int level) const { return refined_[level]; }
 
  private:
-  /// Looks at the cells `first` to `last` of level `from` and at their parts.
+  /// Looks at the cells `first` to `last` of level `from` and at their children.
   bool is_refined_in(int from, const Index3& first, const Index3& last, int level, const Vec3& low,
                      const Vec3& high) const;
   Index3 clamped(int level, Index3 cell) const;
@@ -66,9 +66,9 @@ inline Index3 cells_of_level(const Index3& num_cells, int level) {
 }
 
 /// Divides cells which the body touches for as long as they are larger than what is wanted somewhere in them; those of
-/// a quadtree (Grid::slice) into four.
-/// body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid coordinates. most_levels >= 1.
-/// most_divided: TooManyCells as soon as more cells are divided, before their parts are looked at.
+/// a quadtree (Grid::slice) into four. body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid
+/// coordinates. most_levels >= 1. most_divided: TooManyCells as soon as more cells are divided, before their children
+/// are looked at.
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
                       const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels,
                       double most_divided = std::numeric_limits<double>::infinity());

@@ -8,7 +8,7 @@
 namespace cgcontact {
 namespace {
 
-/// Places in units of the smallest cells, from and up to; none holds its end.
+/// Position in units of the smallest cells. Blocks go from one up to another, which they do not hold.
 using Place = std::array<long long, 3>;
 struct Block {
   Place from, to;
@@ -19,7 +19,7 @@ bool overlap(const Block& a, const Block& b) {
     if (a.from[d] >= b.to[d] || b.from[d] >= a.to[d]) return false;
   return true;
 }
-/// Tells whether a block is outside of the grid.
+/// Returns whether a block is outside of the grid.
 bool is_empty(const Block& a) { return a.from[0] >= a.to[0] || a.from[1] >= a.to[1] || a.from[2] >= a.to[2]; }
 bool contains(const Block& outer, const Block& inner) {
   for (int d = 0; d < 3; ++d)
@@ -27,13 +27,13 @@ bool contains(const Block& outer, const Block& inner) {
   return true;
 }
 
-/// Marks what overlaps some blocks, from above: from blocks of the whole grid to its cells and their parts, as deep as
-/// there is something to tell apart. So a block of any number of small cells takes no longer than the cells in it.
+/// Marks what overlaps some blocks, from above: from blocks of the whole grid to its cells and their children, as deep
+/// as they differ. So a block of any number of small cells takes no longer than the cells in it.
 class Marking {
  public:
   Marking(const CutCells& cells, std::vector<char>& marked) : cells_(cells), marked_(marked) {}
 
-  /// size: log2 of that of the place, cells of level 0; below 0 parts of them.
+  /// Marks blocks at a position; size: log2 of its cells, level 0; below 0 their children.
   void mark(int size, const Index3& place, const std::vector<Block>& blocks) {
     const Block here = block_of(size, place);
     if (is_empty(here)) return;
@@ -54,7 +54,7 @@ class Marking {
   }
 
  private:
-  /// The part of a place that is in the grid.
+  /// Returns the block at a position within the grid.
   Block block_of(int size, const Index3& place) const {
     Block block;
     const int units = size + cells_.num_levels() - 1;
@@ -125,7 +125,8 @@ template <class Use>
 void each_run(std::uint64_t bits, const Use& use) {
   while (bits != 0) {
     const int first = __builtin_ctzll(bits);
-    const std::uint64_t from_there = ~(bits >> first);  // 64 places from the lowest bit: no end of the run among them
+    const std::uint64_t from_there =
+        ~(bits >> first);  // 64 positions from the lowest bit: no end of the run among them
     const int length = from_there == 0 ? 64 : __builtin_ctzll(from_there);
     use(first, length);
     if (first + length == 64) return;
@@ -139,7 +140,7 @@ Index3 moved(Index3 place, int direction, int by) {
 }
 
 /// Joins the cells of a level with each other and with those of twice the size beside them. By words of 64 cells: the
-/// cells of a run are one piece, and so are two runs that touch.
+/// cells of a run are connected, and so are two runs that touch.
 void join_level(const CutCells& cells, int level, JoinedCells& joined) {
   const GridNumbers& numbers = cells.parts.empty() ? cells.numbers : cells.parts[level].numbers;
   numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {

@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// A place for a cell: its level and its place there.
+/// Position of a cell: its level and its index there.
 struct CellPlace {
   int level = 0;
   Index3 cell{0, 0, 0};
@@ -17,8 +17,8 @@ struct CellPlace {
 
 inline CellPlace place_of(const CutCells& cells, int active) { return {cells.level(active), cells.cells[active]}; }
 
-/// Calls use(CellPlace) for the places of all cells up to `reach` cells of its size away from a cell: of its level, and
-/// of the next larger and smaller ones, which are all that may touch it. Larger ones may come several times.
+/// Calls use(CellPlace) for the positions of all cells up to `reach` cells of its size away from a cell: of its level,
+/// and of the next larger and smaller ones, which are all that may touch it. Larger ones may come several times.
 template <class Use>
 void each_place_around(int num_levels, const CellPlace& place, int reach, const Use& use) {
   const Index3& c = place.cell;
@@ -34,7 +34,7 @@ void each_place_around(int num_levels, const CellPlace& place, int reach, const 
       }
 }
 
-/// Calls use(active cell) for the active cells that overlap a place: the one that contains it, or all in it.
+/// Calls use(active cell) for the active cells that overlap a position: the one that contains it, or all in it.
 template <class Use>
 void each_cell_at(const CutCells& cells, const CellPlace& place, const Use& use) {
   Index3 c = place.cell;
@@ -77,7 +77,7 @@ void each_cell_beside(const CutCells& cells, int active, const Use& use) {
 /// of their sizes. marked: one entry per active cell.
 void mark_cells_around(const CutCells& cells, const std::vector<int>& active, int reach, std::vector<char>& marked);
 
-/// Number of the connected piece of every active cell (joined by common faces), from 0, and how many there are.
+/// Returns the index of the connected component of every active cell (joined by common faces), from 0, and their count.
 std::vector<int> find_connected_pieces(const CutCells& cells, int& count);
 
 }  // namespace cgcontact

@@ -89,7 +89,7 @@ double distance_to_cell(const Vec3& x, const Index3& cell, double size = 1) {
   return std::sqrt(sum);
 }
 
-/// Part of a cell of a level that contains or is contained in the given one.
+/// Returns the cell of a level that contains or is contained in the given one.
 Index3 cell_on_level(const Index3& c, int from, int to) {
   if (to >= from) {  // a cell beside the grid may have negative numbers, which must not be shifted
     const int parts = 1 << (to - from);
@@ -297,7 +297,7 @@ class CutCellBuilder {
         candidate_of_active_[find(candidates_[c].level, candidates_[c].cell)] = static_cast<int>(c);
   }
 
-  /// Active cell at a place of a level, or -1.
+  /// Returns the active cell at a position of a level, or -1.
   int find(int level, const Index3& c) const {
     const int cell = levels_[level].numbers.find(c);
     return cell < 0 ? -1 : levels_[level].first + cell;
@@ -314,8 +314,8 @@ class CutCellBuilder {
     return candidate < 0 ? 1.0 : candidates_[candidate].moments[0] / 8;
   }
 
-  /// Active cell near a cell of a level that takes a piece: the one nearest to a place just inside the body, then the
-  /// fullest. Lengths in cells of that level.
+  /// Finds the active cell that takes a piece near a cell of a level: the one nearest to a point just inside the body,
+  /// then the fullest. Lengths in cells of that level.
   int find_owner(const Index3& cell, int level, const PieceMean& piece) const {
     const Vec3 inside = piece.position - 1e-3 * piece.normal;
     int best = -1;
@@ -380,8 +380,8 @@ class CutCellBuilder {
     }
   }
 
-  /// The pieces of a pruned cell beside smaller active cells become those of its eight parts, so that each piece is no
-  /// larger than the cell that takes it. Its volume goes with one of them.
+  /// Divides a pruned cell beside smaller active cells into its eight children, so that each of its pieces is no larger
+  /// than the cell that takes it. Its volume goes with one of them.
   void divide(std::size_t c) {
     const int level = candidates_[c].level + 1;
     const LevelOfGrid& finer = levels_[level];
@@ -404,7 +404,7 @@ class CutCellBuilder {
     candidates_[c].points = {};
   }
 
-  /// The volume below the threshold goes to the cell that takes the largest piece.
+  /// Passes the volume below the threshold to the cell that takes the largest piece.
   void pass_moments(const Candidate& candidate, int heir) {
     const Index3& to = result_.cells[heir];
     const int level = level_of(heir);

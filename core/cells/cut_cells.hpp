@@ -28,7 +28,7 @@ struct Adoption {
 struct CutCells {
   Solid solid;  ///< in grid coordinates
   Grid grid;
-  std::vector<Index3> cells;        ///< active cells (positive volume): place in their level; by level, k, j, i
+  std::vector<Index3> cells;        ///< active cells (positive volume): index in their level; by level, k, j, i
   GridNumbers numbers;              ///< of the active cells of a grid of one level: indices into cells
   std::vector<signed char> levels;  ///< level of each active cell; empty: 0
   /// Index into moments, or -1 for an interior (full) cell; all cells of a body of revolution have moments.
@@ -46,8 +46,8 @@ struct CutCells {
   /// solid, boundary and adoptions. Share the moments. Empty: one level.
   std::vector<CutCells> parts;
   std::shared_ptr<const CellTree> tree;  ///< which cells are refined
-  std::vector<Solid> part_solids;        ///< the body in the grid coordinates of each part
-  std::vector<int> first_of_part;        ///< first active cell of each part, and the end
+  std::vector<Solid> part_solids;        ///< the body in the grid coordinates of each level
+  std::vector<int> first_of_part;        ///< first active cell of each level, and the end
 
   int num_levels() const { return parts.empty() ? 1 : static_cast<int>(parts.size()); }
   int level(int active) const { return levels.empty() ? 0 : levels[active]; }
@@ -105,12 +105,11 @@ CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid
                         const std::vector<Plane>& face_dividers = {}, const GeometryOptions& options = {},
                         const CellTree& tree = {});
 
-/// Quadrature points of the pieces of the given surfaces in one active cell, the pieces being split at the
-/// borders of declared faces and additionally at the `dividers` (planes in grid coordinates, e.g. the grid planes of
-/// another body's grid) so that the points of every part lie on one side of each. On planes the rule of every part
-/// integrates polynomials of total degree
-/// <= 2 order - 1 exactly, on curved surfaces polynomials in space of total degree <= order + 1 (to about 1e-9);
-/// weights are positive. Appends to `points`.
+/// Adds quadrature points of the pieces of the given surfaces in one active cell, the pieces being split at the borders
+/// of declared faces and additionally at the `dividers` (planes in grid coordinates, e.g. the grid planes of another
+/// body's grid) so that the points of each piece lie on one side of all. On planes its rule integrates polynomials of
+/// total degree <= 2 order - 1 exactly, on curved surfaces polynomials in space of total degree <= order + 1 (to about
+/// 1e-9); weights are positive. Appends to `points`.
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,
                              const std::vector<Plane>& dividers, int order, BoundaryPoints& points);
 

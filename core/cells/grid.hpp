@@ -34,9 +34,9 @@ struct Grid {
   /// Axes of the grid away from the axis of revolution, and along it: both follow the one across.
   int radial_axis() const { return (plane_strain + 2) % 3; }
   int axis_of_revolution() const { return (plane_strain + 1) % 3; }
-  /// Distance of a place from the axis of revolution, m.
+  /// Returns the distance of a point from the axis of revolution, m.
   double radius(const Vec3& g) const { return origin[radial_axis()] + cell_size * g[radial_axis()]; }
-  /// Times the slice: the thickness for which a place counts. 1: no body of revolution.
+  /// Returns the thickness that a point counts for, over the slice. 1: no body of revolution.
   double ring(const Vec3& g) const { return is_axisymmetric() ? radius(g) / unit_radius : 1; }
   bool is_quadtree() const { return slice > 0; }
   double cell_size_of(int level) const { return std::ldexp(cell_size, -level); }
@@ -51,7 +51,7 @@ struct Grid {
     return g;
   }
   Vec3 to_global(const Vec3& g) const { return in_layer(origin + cell_size * (rotation * g)); }
-  /// The place where all points of a quadtree are across, for one anywhere across: nothing varies there.
+  /// Moves a point to the middle of a quadtree's layer: nothing varies across.
   Vec3 in_layer(Vec3 x) const {
     if (is_quadtree()) x[plane_strain] = middle;
     return x;

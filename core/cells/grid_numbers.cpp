@@ -32,7 +32,7 @@ void GridNumbers::insert_row(const Index3& first, int length) {
 }
 
 GridNumbers::Word& GridNumbers::word_at(std::int64_t key) {
-  if (!words_.empty() && words_.back().key == key) return words_.back();  // places mostly come along rows
+  if (!words_.empty() && words_.back().key == key) return words_.back();  // positions mostly come along rows
   if (2 * (words_.size() + 1) > table_.size()) fill_table(std::max<std::size_t>(16, 2 * table_.size()));
   std::size_t slot = slot_of(key);
   for (; table_[slot] >= 0; slot = (slot + 1) & (table_.size() - 1))

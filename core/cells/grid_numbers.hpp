@@ -1,9 +1,10 @@
-/// From a place of a grid, a cell or a node, to its number: the one look-up of cells and nodes. Numbers go up in the
-/// order of the grid, by k, j, i.
+/// Numbers of the positions of a grid, cells or nodes: the one look-up of both. Numbers go up in the order of the grid,
+/// by k, j, i.
 ///
-/// Sparse: a row along x is cut into words of 64 places with one bit each; a word holds the number of its first place,
-/// the others are counted. Words that are not empty are found by a hash of their position. Memory goes with the places
-/// that there are (some 35 bytes per word, half a byte per cell of a solid body), not with the bounding box.
+/// Sparse: a row along x is cut into words of 64 positions with one bit each; a word holds the number of its first
+/// position, the others are counted. Words that are not empty are found by a hash of their position. Memory goes with
+/// the positions that there are (some 35 bytes per word, half a byte per cell of a solid body), not with the bounding
+/// box.
 #pragma once
 
 #include <cstddef>
@@ -17,36 +18,36 @@ namespace cgcontact {
 class GridNumbers {
  public:
   GridNumbers() = default;
-  /// No places yet, out of those with 0 <= c[d] < extent[d].
+  /// Starts without positions, out of those with 0 <= c[d] < extent[d].
   explicit GridNumbers(const Index3& extent);
-  /// The given places, in any order.
+  /// Numbers the given positions, in any order.
   GridNumbers(const Index3& extent, const std::vector<Index3>& places);
 
-  /// Adds a place, or `length` places along x from `first` on; twice is once. Throws std::logic_error outside of the
-  /// extent. Numbers hold after number().
+  /// Adds a position, or `length` positions along x from `first` on; twice is once. Throws std::logic_error outside of
+  /// the extent. Numbers hold after number().
   void insert(const Index3& place) { insert_row(place, 1); }
   void insert_row(const Index3& first, int length);
-  /// Numbers all places. Throws InputError if there are more than 32-bit numbers hold.
+  /// Numbers all positions. Throws InputError if there are more than 32-bit numbers hold.
   void number();
 
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return words_.capacity() * sizeof(Word) + table_.capacity() * sizeof(int); }
 
-  /// Number of a place, -1 if it is not there or outside of the extent.
+  /// Returns the number of a position, -1 if it is not there or outside of the extent.
   int find(const Index3& c) const {
     if (!contains_place(c)) return -1;
     const Word* word = find_word(key_of(c[0] / word_size, c[1], c[2]));
     return word ? word->find(c[0] % word_size) : -1;
   }
 
-  /// Numbers of `length` places that follow each other along x, as find().
+  /// Finds the numbers of `length` positions that follow each other along x, as find().
   void find_row(const Index3& first, int length, int* numbers) const;
 
   /// Returns the occupied ones of the 64 positions from `first` on along x: bit i is first + i. Zero outside of the
   /// extent; first[0] > -64.
   std::uint64_t bits(const Index3& first) const;
 
-  /// use(place) for all places, by number.
+  /// Calls use(place) for all positions, by number.
   template <class Use>
   void each(const Use& use) const {
     each_word([&](Index3 place, std::uint64_t bits, int) {
@@ -57,8 +58,8 @@ class GridNumbers {
     });
   }
 
-  /// use(first, bits, number) for all words: bits() of the place `first`, whether it is there or not, and the number of
-  /// the lowest bit that is set.
+  /// Calls use(first, bits, number) for all words: bits() of the position `first`, whether it is there or not, and the
+  /// number of the lowest bit that is set.
   template <class Use>
   void each_word(const Use& use) const {
     for (const Word& word : words_) {
@@ -77,7 +78,7 @@ class GridNumbers {
   struct Word {
     std::int64_t key;
     std::uint64_t bits;
-    int first;  ///< number of the first place
+    int first;  ///< number of the first position
     int find(int bit) const {
       const std::uint64_t here = std::uint64_t{1} << bit;
       return bits & here ? first + __builtin_popcountll(bits & (here - 1)) : -1;

@@ -1,4 +1,4 @@
-/// Wanted cell sizes around given places: what an earlier solution asks of the next grid.
+/// Wanted cell sizes around given points: what an earlier solution asks of the next grid.
 #pragma once
 
 #include <memory>

@@ -1,6 +1,5 @@
-/// Input decks of CalculiX and Abaqus (keywords as in the CalculiX CrunchiX manual 2.20, chapter 7): the part of them
-/// that describes solid bodies, what holds and loads them, and where they touch. Flat decks only: no parts and
-/// instances.
+/// Input decks of CalculiX and Abaqus (keywords as in the CalculiX CrunchiX manual 2.20, chapter 7): the keywords that
+/// describe solid bodies, what holds and loads them, and where they touch. Flat decks only: no parts and instances.
 #pragma once
 
 #include <array>

@@ -37,7 +37,7 @@ struct DeckScene {
   std::vector<std::string> remarks;                        ///< what of the deck is not in it
 };
 
-/// Turns a deck into the parts of a scene; what cannot be one is a remark.
+/// Conversion of a deck to sections of a scene; what cannot be one is a remark.
 class SceneOfDeck {
  public:
   SceneOfDeck(const std::string& file, const std::string& unit, const std::string& scene)

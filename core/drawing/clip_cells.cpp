@@ -19,10 +19,10 @@ constexpr double max_sagitta = 0.008;
 constexpr double on_tolerance = 1e-10;
 /// Subdivision of cells that a curved patch crosses.
 constexpr int patch_subdivision = 2;
-/// Patches in a cell that are cut one by one. Each one can double the pieces; cells with more are cut at the surface as
-/// a whole.
+/// Patches in a cell that are cut one by one. Each one can double the polyhedra; cells with more are cut at the surface
+/// as a whole.
 constexpr std::size_t most_patches = 8;
-/// Pieces below this volume (cell units) are rounding only.
+/// Volume (cell units) below which polyhedra are rounding only.
 constexpr double min_volume = 1e-25;
 
 using Hexahedron = std::array<int, 8>;
@@ -102,7 +102,7 @@ class Clipper {
   std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
   std::vector<int> cube_surfaces_;  ///< those that come near the cube in work
   int active_ = -1;                 ///< the cell in work
-  std::vector<char> inner_side_;    ///< sides of the piece in work
+  std::vector<char> inner_side_;    ///< sides of the current polyhedron
   /// Point p counts as on another side than it measures for fixed_sides_[fixed_begin_[p] .. fixed_begin_[p + 1]]:
   /// surface and side.
   std::vector<int> fixed_begin_{0};
@@ -274,7 +274,8 @@ void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Te
   bisect(half, surface, pieces);
 }
 
-/// Sides of a piece that no surface cuts: those of its points, or of its centroid when all points lie on the surface.
+/// Sets the sides of a polyhedron that no surface cuts: those of its points, or of its centroid when all points lie on
+/// the surface.
 template <class Points>
 void Clipper::set_sides(const Points& points, const std::vector<int>& surfaces) {
   for (int s : surfaces) {
@@ -316,7 +317,8 @@ void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<in
   }
 }
 
-/// Adds a face of the piece in work if it lies on a surface and the body ends there. (Facets are drawn themselves.)
+/// Adds a face of the current polyhedron if it lies on a surface and the body ends there. (Facets are drawn
+/// themselves.)
 void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
   if (has_facets_) return;
   for (int s : surfaces) {
@@ -431,9 +433,9 @@ int Clipper::side(int point, int surface) const {
   return side_by_distance(distance(point, surface));
 }
 
-/// The facets of the boundary themselves, in their pieces cell by cell.
+/// Adds the facets of the boundary themselves, clipped cell by cell.
 void Clipper::add_facets() {
-  std::map<std::pair<Index3, int>, int> adopter;  // of the pieces of a patch in a cell without volume
+  std::map<std::pair<Index3, int>, int> adopter;  // of the facets of a patch in a cell without volume
   for (const Adoption& adoption : cut_cells_.adoptions)
     adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
   std::unordered_map<Vec3, int, PointHash> number;
@@ -456,7 +458,7 @@ void Clipper::add_facets() {
   });
 }
 
-/// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).
+/// Drops triangles that belong to two polyhedra: they lie inside the body (chords of a curved surface).
 void Clipper::drop_inner_triangles() {
   std::vector<std::pair<std::array<int, 3>, std::size_t>> order;
   order.reserve(mesh_.boundary.size());
@@ -502,7 +504,7 @@ void Clipper::drop_unused_points() {
     if (p >= 0) p = number[p];
 }
 
-/// Corners of interior cells that no other piece has.
+/// Adds the corners of interior cells that no polyhedron has.
 void Clipper::add_interior_points() {
   InteriorCells& interior = mesh_.interior;
   for (const int cell : interior.cells) {
@@ -545,8 +547,8 @@ void append_level(const ClippedMesh& level, int number, int first_cell, ClippedM
     if (p != -1) p += p >= 0 ? first_point : -first_interior;
 }
 
-/// A quadtree's cells end where their layer does, inside of the solid (of that level): these sides of the pieces are
-/// the ends of the body.
+/// Adds the ends of a quadtree's body, which its cells have where their layer ends, inside of the solid (of that
+/// level).
 void add_ends(const CutCells& level, ClippedMesh& mesh) {
   const int axis = level.grid.plane_strain;
   const std::vector<Surface>& surfaces = level.solid.surfaces();

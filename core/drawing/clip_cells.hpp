@@ -22,7 +22,7 @@ constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 
                                                 {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
 
 /// Full cells that no surface comes near: hexahedra as they are, of which only the numbers are kept. Points of theirs
-/// that no other piece has are interior points, numbered behind those of the mesh.
+/// that no polyhedron has are interior points, numbered behind those of the mesh.
 struct InteriorCells {
   std::vector<int> cells;                    ///< active cells, ascending
   std::vector<int> cell_of_point;            ///< of each interior point, one that has it as a corner
@@ -34,8 +34,8 @@ struct InteriorCells {
   std::vector<Nodes> levels;
 };
 
-/// Points are shared between the cells that touch them, so that fields that are continuous in the body stay so. What
-/// is stored by piece grows like the boundary; what is inside of the body is made from its cells where it is needed.
+/// Points are shared between the cells that touch them, so that fields that are continuous in the body stay so. What is
+/// stored by polyhedron grows like the boundary; the interior is made from its cells where it is needed.
 struct ClippedMesh {
   std::vector<Vec3> points;                    ///< grid coordinates
   std::vector<int> cell_of_point;              ///< an active cell whose closure contains the point
@@ -69,14 +69,15 @@ struct ClippedMesh {
   double boundary_area() const;  ///< in cell units squared
 };
 
-/// Clips the active cells. Corner cases, decided here:
+/// Clips the active cells to tetrahedra. Corner cases, decided here:
 /// - A cut cell is divided into the six tetrahedra around its main diagonal, the same in all cells, so that neighbours
 ///   agree on their common face. Where a curved surface passes, the cell is first divided into m^3 cubes, m chosen from
 ///   the curvature for the whole body.
 /// - A tetrahedron is cut by one surface after the other, by bisecting its edges that change side, lowest pair of point
 ///   numbers first: neighbours bisect a common face in the same order, so there are no cracks.
-/// - A vertex closer to a surface than 1e-10 lies on it and never causes a cut. A piece whose vertices all lie on a
-///   surface is on the side of its centroid. Pieces of no volume are dropped, cells filled to less than 1e-10 with
+/// - A vertex closer to a surface than 1e-10 lies on it and never causes a cut. A tetrahedron whose vertices all lie on
+/// a
+///   surface is on the side of its centroid. Tetrahedra of no volume are dropped, cells filled to less than 1e-10 with
 ///   them.
 /// - The boundary of a body of triangles is those triangles, divided along the grid planes. Its tetrahedra end where
 /// the

@@ -10,8 +10,8 @@ namespace cgcontact {
 
 namespace {
 
-/// Points hang on an edge if they are nearer to it than this part of its length: small triangles of a curved surface
-/// lie beside the edge of a large one.
+/// Fraction of an edge's length within which points hang on it: small triangles of a curved surface lie beside the edge
+/// of a large one.
 constexpr double beside_edge = 0.05;
 /// Open edges from an end of an edge to the points that hang on it: where both sides have their own points, one leads
 /// beyond the end.
@@ -21,11 +21,10 @@ using Edge = std::uint64_t;
 
 Edge edge_of(int a, int b) { return static_cast<Edge>(std::min(a, b)) << 32 | static_cast<Edge>(std::max(a, b)); }
 
-/// Points nearer to each other than this part of a cell are one: cells of two sizes have points of their own where they
-/// meet.
+/// Fraction of a cell within which points are one: cells of two sizes have points of their own where they meet.
 constexpr double one_point = 1e-6;
 
-/// Returns for each point of the boundary the first one at its place.
+/// Returns for each point of the boundary the first one at its position.
 std::vector<int> welded(const DrawnBody& body) {
   std::vector<int> first(body.position.size(), -1);
   const double reach = one_point * body.mesh.cut_cells->grid.cell_size_of(body.mesh.cut_cells->num_levels() - 1);

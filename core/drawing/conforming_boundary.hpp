@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Triangle of the drawn body's points that is one of its boundary's, a part of it, or stands for it.
+/// Triangle of the drawn body's points that is one of its boundary's, a fragment of it, or stands for it.
 struct ThinTriangle {
   std::array<int, 3> points;
   int source;  ///< triangle of the boundary

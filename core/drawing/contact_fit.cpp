@@ -13,19 +13,19 @@ constexpr double same_face = 0.7;
 /// Added to the squares of the coordinates in units of the reach: without enough rows across the slope is zero.
 constexpr double ridge = 1e-3;
 
-/// Parts of a cell that are tried one after the other, until there are enough rows: fits over more flatten a peak.
+/// Fractions of a cell that are tried one after the other, until there are enough rows: fits over more flatten a peak.
 constexpr double reaches[] = {0.25, 0.35, 0.5, 0.7, 1};
 constexpr std::size_t enough_rows = 6;
 
 }  // namespace
 
-/// Rows near a place with their weights and coordinates in the plane of the face.
+/// Rows near a point with their weights and coordinates in the plane of the face.
 struct ContactFit::Neighbours {
   std::vector<const ContactRow*> rows;
   std::vector<double> weight;
   std::vector<Vec3> coordinates;  ///< 1, and two in units of the reach
 
-  /// At the place; NaN without rows that have the value.
+  /// Returns the fit at the point; NaN without rows that have the value.
   template <class Get>
   double fit(const Get& get) const {
     Mat3 squares = Mat3::Zero();

@@ -11,8 +11,8 @@
 
 namespace cgcontact {
 
-/// The rows of one body. At a place a linear function is fitted to the rows near it, as few as give one; it never
-/// leaves the range of their values.
+/// Rows of one body. At a point a linear function is fitted to the rows near it, as few as give one; it never leaves
+/// the range of their values.
 class ContactFit {
  public:
   struct Values {

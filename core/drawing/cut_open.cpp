@@ -20,7 +20,7 @@ struct Vertex {
 
 using Polygon = std::vector<Vertex>;
 
-/// At the place between two vertices where height k is zero.
+/// Interpolates between two vertices where height k is zero.
 Vertex between(const Vertex& a, const Vertex& b, int k) {
   const double t = a.height[k] / (a.height[k] - b.height[k]);
   const auto mean = [t](const auto& x, const auto& y) { return ((1 - t) * x + t * y).eval(); };
@@ -34,7 +34,7 @@ Vertex between(const Vertex& a, const Vertex& b, int k) {
   return v;
 }
 
-/// The part of a convex polygon where side * height k >= 0.
+/// Clips a convex polygon to side * height k >= 0.
 Polygon part(const Polygon& polygon, int k, double side) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -178,7 +178,7 @@ class Opening {
   DrawnBody open_;
 };
 
-/// The interior cells that planes meet, as pieces of a drawn body of their own.
+/// Returns the interior cells that planes meet, as a drawn body of their own.
 DrawnBody interior_at(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions) {
   const ClippedMesh& mesh = whole.mesh;
   DrawnBody near;

@@ -14,9 +14,10 @@ namespace {
 
 /// Fraction of the scene's diagonal below which gaps are not seen.
 constexpr double invisible = 1e-3;
-/// Part of a body's second shortest extent within which its share falls to zero; the shortest may be that of a slice.
+/// Fraction of a body's second shortest extent within which its share falls to zero; the shortest may be that of a
+/// slice.
 constexpr double reach_part = 0.25;
-/// Places of closed points are gathered in cubes of this part of the reach.
+/// Fraction of the reach: the cubes in which closed points are gathered.
 constexpr double cube_part = 0.2;
 
 struct Extent {
@@ -30,7 +31,7 @@ struct Extent {
   Vec3 sides() const { return high - low; }
 };
 
-/// Closed contact of one body and pair: places with outward normals.
+/// Closed contact of one body and pair: points with outward normals.
 struct ClosedFace {
   std::vector<Vec3> place, normal;
 };

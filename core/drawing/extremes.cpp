@@ -125,7 +125,7 @@ class BodySearch {
     if (!values.stress.empty()) most.stress(x, values.stress[p]);
   }
 
-  /// Place of a point; in its half-plane for a body of revolution, which is drawn with a thickness.
+  /// Returns the position of a point; in its half-plane for a body of revolution, which is drawn with a thickness.
   Vec3 place_of(std::size_t point) const {
     const Vec3& x = drawn_.position[point];
     return cells_.grid.is_axisymmetric() ? cells_.grid.in_layer(x) : x;

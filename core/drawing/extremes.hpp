@@ -11,7 +11,7 @@ namespace cgcontact {
 /// is smaller than that); of the contact pressure in the contact rows.
 std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn);
 
-/// The same where nothing else is drawn: of several ranks each draws some of the bodies. Called by all ranks.
+/// The same where nothing else is drawn: of several ranks each draws some of the bodies. Collective.
 std::vector<BodyExtremes> extremes_by_ranks(const Results& results, const Scene& scene);
 
 /// The body with the largest (or the smallest) value of one kind, or -1.

@@ -17,8 +17,8 @@ constexpr double flat_spread = 1e-3, round_spread = 0.02;
 constexpr double round_tolerance = 0.02;
 /// Cosine between the mean normal and a coordinate axis along which the face is seen.
 constexpr double along_axis = 0.95;
-/// Part of the largest component of the mean normal that the one along an axis must be; part of the area of a face that
-/// may turn away from it (triangles of rounding size at its end).
+/// Fraction of the largest component of the mean normal that the one along an axis must be; fraction of the area of a
+/// face that may turn away from it (triangles of rounding size at its end).
 constexpr double about_as_near = 0.8, turned_away = 0.02;
 
 Vec3 area_normal(const FaceTriangles& face, const std::array<int, 3>& t) {

@@ -36,7 +36,8 @@ class MarkedFaces {
   MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bodies);
 
   const std::vector<FaceRegion>& regions() const { return regions_; }
-  /// Region of a piece of boundary (index), at x with the outward normal n (global); -1 if no region is like that.
+  /// Returns the region of a boundary point (index), at x with the outward normal n (global); -1 if no region is like
+  /// that.
   int region_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const;
 
  private:

@@ -32,13 +32,13 @@ class RasterImage {
   /// The image is drawn `oversampling` times finer in each direction and then averaged.
   RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour);
 
-  /// `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light. `part` (a body, a
-  /// face) is what outlines separate.
+  /// Draws a triangle. `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light.
+  /// `part` (a body, a face) is what outlines separate.
   void draw(const std::array<RasterVertex, 3>& triangle, int part, double shading);
   void draw_outlines();
   /// Bytes red, green, blue by row from the bottom, white where nothing was drawn.
   std::string pixels() const;
-  /// The part seen in each pixel, by row from the bottom; -1: none.
+  /// Returns the `part` seen in each pixel, by row from the bottom; -1: none.
   std::vector<int> parts() const;
 
  private:

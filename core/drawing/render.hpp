@@ -12,7 +12,7 @@ namespace cgcontact {
 
 struct RasterTriangle {
   std::array<RasterVertex, 3> vertices;  ///< counterclockwise seen from outside; seen from inside it is not drawn
-  int part = 0;                          ///< outlines separate parts
+  int part = 0;                          ///< outlines separate different ones
 };
 
 struct RenderedImage {

@@ -21,12 +21,12 @@ constexpr int levels_above = 6;
 
 using Key = std::uint64_t;
 
-/// Places along an axis need at most 21 bits: grids have fewer cells.
+/// Packs a position: grids have fewer than 2^21 cells along an axis.
 Key key_of(const Index3& c) {
   return static_cast<Key>(c[0]) | static_cast<Key>(c[1]) << 21 | static_cast<Key>(c[2]) << 42;
 }
 
-/// The block that holds a place on the next larger level. Places are not negative.
+/// Returns the block that holds a position on the next larger level. Positions are not negative.
 Index3 parent_of(const Index3& c, int flat_axis) {
   Index3 parent{c[0] >> 1, c[1] >> 1, c[2] >> 1};
   if (flat_axis >= 0) parent[flat_axis] = 0;
@@ -144,7 +144,7 @@ class Blocks {
   int flat_axis_;
   std::map<int, std::vector<Block>> waiting_;  ///< by level
   std::vector<Block> done_;
-  std::unordered_set<Key> divided_;  ///< on the level that comes next: places that hold smaller blocks
+  std::unordered_set<Key> divided_;  ///< on the level that comes next: positions that hold smaller blocks
   std::size_t count_ = 0;
 };
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double inside_fraction = 0.15;
 /// Fraction of the scene's extent: a zone this near to a side of the scene reaches it.
 constexpr double beside = 0.05;
-/// Part of the largest pressure at which a zone ends, as in the pressure map.
+/// Fraction of the largest pressure at which a zone ends, as in the pressure map.
 constexpr double zone_end = 0.01;
 
 SceneBox bounds(const std::vector<DrawnBody>& bodies) {

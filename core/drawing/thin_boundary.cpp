@@ -9,7 +9,7 @@ namespace cgcontact {
 
 namespace {
 
-/// Part of a zone's largest extent: so far around it its triangles stay.
+/// Fraction of a zone's largest extent within which triangles around it stay.
 constexpr double around_zone = 0.5;
 /// Factor by which the lattice grows until there are few enough triangles.
 constexpr double growth = 1.4;

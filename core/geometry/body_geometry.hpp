@@ -64,14 +64,14 @@ class BodyGeometry {
   /// Is a block of cells inside (1), outside (0), or is neither sure (-1)? `sides`: by surface, what the blocks around
   /// this one have left about theirs: 1 inner, 0 outer, -1 not known.
   virtual int side_of_block(const Vec3& centre, const Vec3& half_size, std::vector<signed char>& sides) const;
-  /// The cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in the
+  /// Finds the cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in the
   /// coordinates of the grid. Pieces of the boundary are cut at the dividers, `order`: of the rule on them
   /// (boundary_points_of_cell). Cells that are no leaves of the level may be left out. This body, grid and dividers
   /// must outlive the sweep.
   virtual std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
                                                  const LeafLevel& leaves) const = 0;
-  /// Appends the points on the pieces of boundary in one cell, of the surfaces that are `selected`; they belong to the
-  /// active cell `owner`.
+  /// Appends the points on the boundary in one cell, of the surfaces that are `selected`; they belong to the active
+  /// cell `owner`.
   virtual void boundary_points(const Index3& cell, const std::vector<char>& selected,
                                const std::vector<Plane>& dividers, int order, int owner,
                                BoundaryPoints& points) const = 0;
@@ -94,15 +94,15 @@ class BodyGeometry {
   /// Those of the candidates (ascending) that may come nearer than `slack` to a cube.
   virtual std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,
                                          const std::vector<int>& candidates) const;
-  /// Is a convex piece of space that no surface crosses inside? Told from the sides on which it lies of the surfaces
-  /// that come near (of all surfaces if they are endless), and from its centroid.
+  /// Returns whether a convex polyhedron that no surface crosses is inside, by the sides on which it lies of the
+  /// surfaces that come near (of all surfaces if they are endless), and by its centroid.
   virtual bool is_inside(const std::vector<char>& inner_side, const std::vector<int>& near, const Vec3& centroid) const;
   /// To the boundary, < 0 inside.
   virtual double signed_distance(const Vec3& x) const;
   /// The surfaces for many searches of one of them alone.
   virtual std::vector<Surface> surfaces_alone() const { return surfaces_; }
   using UseFacet = std::function<void(const Index3& cell, int surface, const Vec3* corners, int num_corners)>;
-  /// Calls use for all convex parts into which the cells of a grid divide the facets, counterclockwise seen from
+  /// Calls use for all convex polygons into which the cells of a grid divide the facets, counterclockwise seen from
   /// outside.
   virtual void each_facet_in_cell(const UseFacet& use) const;
 

@@ -10,7 +10,7 @@ namespace cgcontact {
 
 using Vec2 = Eigen::Vector2d;
 
-/// S and its derivatives at one place.
+/// S and its derivatives at one point.
 struct SurfaceJet {
   Vec3 x, xu, xv, xuu, xuv, xvv;
 };
@@ -23,7 +23,7 @@ class ParametricSurface {
   /// S, S_u, S_v; the second derivatives are left as they are.
   virtual void first(const Vec2& uv, SurfaceJet& jet) const = 0;
   virtual void second(const Vec2& uv, SurfaceJet& jet) const = 0;
-  /// The nearest place where S is defined.
+  /// Returns the nearest parameters where S is defined.
   virtual Vec2 clamped(const Vec2& uv) const = 0;
 };
 

@@ -11,7 +11,7 @@ namespace cgcontact {
 
 struct Surface;
 
-/// A piece of surface that no formula of Surface describes.
+/// Surface that no formula of Surface describes.
 class SurfacePatch {
  public:
   virtual ~SurfacePatch() = default;
@@ -27,8 +27,8 @@ struct Surface {
   enum class Kind { plane, sphere, cylinder, cone, patch };
   Kind kind = Kind::plane;
   Vec3 point = Vec3::Zero();       ///< point of the plane, centre of the sphere, point on the axis, tip of the cone
-  Vec3 direction = Vec3::UnitZ();  ///< unit outward normal of the plane, unit axis; of a cone into the part in use
-  double radius = 0;               ///< sphere, cylinder; of a cone the larger one of the part in use
+  Vec3 direction = Vec3::UnitZ();  ///< unit outward normal of the plane, unit axis; of a cone into the used half
+  double radius = 0;               ///< sphere, cylinder; of a cone the larger one of the used range
   std::vector<std::string> names;  ///< "primitive.face" names that lie on this surface, e.g. "block.z+"
   std::shared_ptr<const SurfacePatch> patch;
   double cosine = 1, sine = 0;  ///< of the angle between a cone and its axis

@@ -114,7 +114,7 @@ class DirectoryLock {
 };
 
 /// Removes what runs that were killed have left beside the target: those whose process has gone and whose lock is free.
-/// An earlier result that was about to be replaced returns to its place; files of the user in one go there.
+/// An earlier result that was about to be replaced returns; files of the user in one go there.
 void remove_remains(const fs::path& target) {
   const std::string prefix = temporary_prefix(target);
   std::error_code error;
@@ -190,7 +190,7 @@ void exchange(const fs::path& a, const fs::path& b) {
   std::rename(aside.c_str(), a.c_str());
 }
 
-/// Puts the new result in the place of the old one; files that are not in `old` move to the new directory.
+/// Replaces the old result by the new one; files that are not in `old` move to the new directory.
 void replace(const fs::path& written, const fs::path& target, const std::vector<std::string>& old) {
   if (!fs::exists(target)) {
     if (std::rename(written.c_str(), target.c_str()) != 0)
@@ -421,7 +421,7 @@ std::vector<std::string> ResultWriter::write(Results& results, const Scene& scen
   return parts.warnings;
 }
 
-/// The reports, which know all files; then the new directory takes the place of the old one.
+/// Writes the reports, which know all files; then the new directory replaces the old one.
 void ResultWriter::finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageParts& parts,
                           std::chrono::steady_clock::time_point start) {
   const TemporaryDirectory& temporary = *parts_->temporary;

@@ -16,8 +16,7 @@ namespace {
 /// Room beyond the values on a logarithmic axis, factor.
 constexpr double room_across = 1.3, room_above = 1.5;
 
-/// One kind of error over the solves; none: not known, or zero by equilibrium, which has no place on a logarithmic
-/// axis.
+/// One kind of error over the solves; none: not known, or zero by equilibrium, which a logarithmic axis cannot show.
 struct Curve {
   std::string name;
   const char* colour;

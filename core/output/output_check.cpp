@@ -38,7 +38,7 @@ constexpr Rgb full_cell{0.66, 0.80, 0.91}, cut_cell{0.95, 0.66, 0.33}, cut_outsi
 
 /// Pixels, across the stripes of a face on which several things hold.
 constexpr int stripe = 9;
-/// Pixels: radius of the arc that stands for a moment; its parts.
+/// Radius of the arc that stands for a moment, pixels; its segments.
 constexpr double arc_radius = 24;
 constexpr int arc_parts = 18;
 
@@ -57,7 +57,7 @@ std::vector<Role> roles_of(const FaceRegion& region) {
 
 Role role_of(const FaceRegion& region) { return roles_of(region).front(); }
 
-/// Tells whether the moment of the loads is what they are for, and not what a varying pressure has beside its
+/// Returns whether the moment of the loads is what they are for, and not what a varying pressure has beside its
 /// resultant.
 bool shows_moment(const Scene& scene, const FaceRegion& region) {
   if (region.moment.isZero(0)) return false;
@@ -93,7 +93,7 @@ struct Drawing {
   std::string folder;  ///< of gnuplot's data
 };
 
-/// Bodies coloured by `colour(body, triangle)`, parts by `part(body, triangle)`.
+/// Draws bodies coloured by `colour(body, triangle)`, with outlines between different `part(body, triangle)`.
 template <class Colour, class Part>
 RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodies, const Panel& view,
                    const Colour& colour, const Part& part) {
@@ -115,7 +115,7 @@ RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodie
   return render(view.size, view.camera, unpacked, 0.7, triangles.size(), triangle);
 }
 
-/// For each part the pixel farthest from its border and that distance.
+/// Pixel farthest from the border of a region, and that distance.
 struct Spot {
   int x = 0, y = 0, room = 0;
 };
@@ -270,7 +270,7 @@ void add_boundary_points(const DrawnBody& body, std::vector<Vec3>& points) {
       if (!std::exchange(is_added[p], char{1})) points.push_back(body.position[p]);
 }
 
-/// Both views of some bodies; `part` gives what is told apart.
+/// Adds both views of some bodies; outlines separate different `part`.
 template <class Colour, class Part>
 void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, double bottom, const std::string& name,
                const Colour& colour, const Part& part, bool numbered, Sheet& sheet) {

@@ -166,7 +166,7 @@ std::string table(const Comparer& comparer, const std::string& first, const std:
   return text;
 }
 
-/// Place and recovered pressure on the first body of a pair.
+/// Position and recovered pressure on the first body of a pair.
 using Curve = std::vector<std::array<double, 2>>;
 
 /// By pair, from the pressure.csv of a result; empty without one.

@@ -1,5 +1,5 @@
-/// contact.csv: one line per boundary point of the contact faces; pressure.csv: one per
-/// place on the paths and body; steps.csv: one per step and contact pair.
+/// contact.csv: one line per boundary point of the contact faces; pressure.csv: one per point on the paths and body;
+/// steps.csv: one per step and contact pair.
 #pragma once
 
 #include <string>

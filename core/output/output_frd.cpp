@@ -20,7 +20,7 @@ constexpr int of_scalar = 1, of_vector = 2, of_tensor = 4;  // types of a compon
 constexpr int longest_title = 66;                           // of a header line, as names of materials
 constexpr std::size_t bytes_per_write = std::size_t{1} << 20;
 
-/// A text file that is written piece by piece.
+/// Text file that is written in chunks.
 class TextFile {
  public:
   explicit TextFile(const std::string& name) : name_(name), file_(std::fopen(name.c_str(), "wb")) {

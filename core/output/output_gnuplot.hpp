@@ -49,7 +49,7 @@ std::string gnuplot_palette();
 /// interpreted if the terminal is set to noenhanced.
 std::string gnuplot_text(const std::string& text);
 
-/// The text for a PNG: squares in place of letters that its font may not have.
+/// Returns the text for a PNG: squares instead of letters that its font may not have.
 std::string drawable_text(const std::string& text);
 
 /// Letters of a name in a legend, so that a plot keeps its width.

@@ -189,7 +189,7 @@ HdfRows<T>::HdfRows(HdfFile& file, const std::string& path, std::size_t num_rows
       next_(file.make_rows<T>(path, num_rows, columns, can_grow)),
       end_(next_ + num_rows) {}
 
-/// Whole pieces of the file are written as soon as they are there: each is compressed once.
+/// Adds rows; whole chunks of the file are written as soon as they are there: each is compressed once.
 template <class T>
 void HdfRows<T>::add(const std::vector<T>& values) {
   const std::size_t width = std::max(columns_, 1);

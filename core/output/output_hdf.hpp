@@ -73,7 +73,7 @@ class HdfReader {
   long long file_;  ///< hid_t
 };
 
-/// An array that comes piece by piece, of which no more than one compressed piece of the file is in memory.
+/// Array written in chunks, of which no more than one compressed chunk of the file is in memory.
 template <class T>
 class HdfRows {
  public:

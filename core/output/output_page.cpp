@@ -21,7 +21,7 @@ namespace cgcontact {
 
 namespace {
 
-/// A part of the resultants below this fraction of the largest one is rounding, or what the linear solver leaves.
+/// Fraction of the largest resultant: a component below is rounding, or what the linear solver leaves.
 constexpr double no_force = 1e-6;
 /// Estimates below this are rounding.
 constexpr double rounding = 1e-9;
@@ -369,7 +369,7 @@ std::string hertz_of(const ZoneFigures& zone) {
          cell(stress(zone.hertz->p0));
 }
 
-/// Zones of which planes of symmetry leave a part in the model.
+/// Lists zones of which planes of symmetry leave a fraction in the model.
 std::string whole_zones(const Results& results) {
   std::vector<std::string> rows;
   for (const PairFigures& pair : results.pairs)

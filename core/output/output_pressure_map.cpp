@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t most_maps = 12;
 constexpr int long_side = 720;
 constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
-/// Rows of contact.csv so near to each other along a curve, in the body's smallest cells and in parts of the curve, are
-/// one point of it: beside each other on the face they have pressures of their own.
+/// Distances along a curve, in the body's smallest cells and in fractions of the curve, within which rows of
+/// contact.csv are one point: beside each other on the face they have pressures of their own.
 constexpr double bin_in_cells = 0.5, most_bins = 400;
 /// Fraction of the largest pressure below which the face is grey. On curved faces the recovered pressure where nothing
 /// touches is zero to a few thousandths only.
@@ -152,7 +152,7 @@ std::string quantity(const Results& results, std::size_t pair) {
              : fmt::format("contact pressure ({})", name_of_pressure(results.pairs[pair].pressure_on_face));
 }
 
-/// A part of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.
+/// Fragment of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.
 using Piece = std::array<RasterVertex, 3>;
 
 /// The recovered pressure at the corners of the triangles; those in which the contact zone ends are divided, because

@@ -1,4 +1,4 @@
-/// probes.csv and probe_NAME.svg: values at the places that the scene asks for.
+/// probes.csv and probe_NAME.svg: values at the points that the scene asks for.
 #pragma once
 
 #include <optional>

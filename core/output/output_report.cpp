@@ -298,7 +298,7 @@ Json json_of(const SingularPlace& place) {
           {"cell", place.cell}};
 }
 
-/// A value and its place under two keys.
+/// Adds a value and its position under two keys.
 void add(const std::string& key, const Extreme& extreme, Json& json) {
   json[key] = extreme.value;
   json[key + "_at"] = json_of(extreme.at);
@@ -340,7 +340,7 @@ Json json_of(const RigidFigures& rigid) {
        {{"loads", json_of(rigid.loads)}, {"supports", json_of(rigid.supports)}, {"contact", json_of(rigid.contact)}}}};
 }
 
-/// With the largest values and their places.
+/// Lists the bodies with the largest values and their positions.
 Json json_of_bodies(const Results& results) {
   Json bodies = Json::array();
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {

@@ -200,7 +200,7 @@ std::string map_data(const std::vector<std::vector<StressErrorSample>>& bodies, 
   return data;
 }
 
-/// In one line, so that the maps keep their places.
+/// Returns the title in one line, so that the maps keep their positions.
 std::string title_of(const Results& results, int width) {
   const std::string what = "Error of the recovered stress on the contact face", title = what + ": " + results.title;
   return gnuplot_text(gnuplot_width(title, 16) <= width ? title : what);

@@ -30,7 +30,7 @@ struct Column {
 
 Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-/// A phase or zone as part of a column's name.
+/// Turns a phase or zone into a fragment of a column's name.
 std::string column_name(std::string text) {
   std::replace(text.begin(), text.end(), ' ', '_');
   return text;

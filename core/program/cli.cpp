@@ -314,7 +314,7 @@ void Parser::refuse_single_dashes(int argc, const char* const* argv) const {
   }
 }
 
-/// The pieces between ";" are those of --set, and come before them.
+/// Takes --set: the texts between ";", which come before those of --set.
 void Parser::take_set_variable(const std::string& text) {
   std::vector<std::string> changes;
   for (std::size_t begin = 0; begin <= text.size();) {

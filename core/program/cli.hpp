@@ -31,7 +31,7 @@ struct CommandLine {
   InitOptions init_options;
   bool settings = false;  ///< check: print them too
   bool quiet = false;     ///< run: print nothing but warnings and errors
-  bool json = false;      ///< run: print the report in the place of the summary
+  bool json = false;      ///< run: print the report instead of the summary
 
   /// An error message that speaks of a value from the environment, with the name of the variable added.
   std::string with_variables(const std::string& message) const;

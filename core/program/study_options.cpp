@@ -54,7 +54,7 @@ void expect_different(const std::vector<std::string>& numbers, const std::string
   }
 }
 
-/// Names become parts of file names.
+/// Returns whether the text can stand in a file name.
 bool is_name(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-' || c == '.';

@@ -23,7 +23,7 @@ struct Candidates {
   bool scan = false;
 };
 
-/// Parts of t where the signature is constant.
+/// Interval of t where the signature is constant.
 struct Piece {
   double begin, end;
   Signature signature;
@@ -52,7 +52,7 @@ void cross_line(Candidates& candidates, const Conic& line, const Conic& k) {
   }
 }
 
-/// If the quadratic parts are proportional the common points lie on a line.
+/// Returns the line of common points if the quadratic terms are proportional.
 bool radical_line(const Conic& a, const Conic& b, Conic& line) {
   const double size_a = std::abs(a.ss) + std::abs(a.st) + std::abs(a.tt);
   const double size_b = std::abs(b.ss) + std::abs(b.st) + std::abs(b.tt);
@@ -237,7 +237,7 @@ class IntervalFinder {
 
  private:
   void append(double begin, double end, const Signature& signature) {
-    // while pieces are still to be scanned they keep the candidates as their ends
+    // while intervals are still to be scanned they keep the candidates as their ends
     const auto& kept = merge_ ? candidates_.forced : candidates_.t;
     if (!pieces_.empty() && pieces_.back().signature == signature &&
         std::find(kept.begin(), kept.end(), begin) == kept.end())
@@ -270,7 +270,7 @@ class IntervalFinder {
     }
   }
 
-  /// Finds the changes between two places of different signature by bisection; the last part is left open.
+  /// Finds the changes between two points of different signature by bisection; the last interval is left open.
   void find_changes(double& begin, double ta, Signature a, double tb, const Signature& b) {
     for (int change = 0; change < 16 && a != b; ++change) {
       double lo = ta, hi = tb;
@@ -293,7 +293,7 @@ class IntervalFinder {
     }
   }
 
-  /// Looks for changes of the signature inside the pieces; true if there were any.
+  /// Looks for changes of the signature inside the intervals; true if there were any.
   bool scan_pieces() {
     std::vector<Piece> coarse;
     std::vector<double> places;

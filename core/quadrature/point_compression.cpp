@@ -235,7 +235,7 @@ void compress_weights(const FunctionTable& functions, std::vector<double>& weigh
 void compress_many_weights(FunctionTable functions, std::vector<double>& weights) {
   orthogonalise(functions, weights);
   const std::size_t n = weights.size(), batch = 2 * static_cast<std::size_t>(functions.num_functions);
-  // Points that follow each other lie near each other, where the functions nearly depend on each other: every part of
+  // Points that follow each other lie near each other, where the functions nearly depend on each other: every batch of
   // them is from all over.
   const std::size_t parts = 1 + n / batch;
   std::vector<int> order;
@@ -330,8 +330,8 @@ FunctionTable surface_polynomials(std::vector<double> (&points)[3], int degree, 
   for (Vector& x : points) {
     const auto [min, max] = std::minmax_element(x.begin(), x.end());
     const double centre = 0.5 * (*min + *max), size = 0.5 * (*max - *min);
-    // Heights are measured by the extent along the face: what they are beside the polynomials of a piece that is
-    // nearly flat is rounding.
+    // Heights are measured by the extent along the face: those beside the polynomials of a nearly flat face are
+    // rounding.
     const double unit = &x == &points[2] ? std::max(size, wider) : size;
     wider = std::max(wider, size);
     for (double& value : x) value = (value - centre) * (unit > 0 ? 1 / unit : 1.0);

@@ -23,7 +23,7 @@ struct FunctionTable {
 /// it cannot reach rounding accuracy. The functions should be of size one.
 void compress_weights(const FunctionTable& functions, std::vector<double>& weights);
 
-/// The same for many points, a part of them at a time: time proportional to the number of points.
+/// The same for many points in batches: time proportional to the number of points.
 void compress_many_weights(FunctionTable functions, std::vector<double>& weights);
 
 /// Changes the positive `weights` of the first points of the table as little as it takes, each by its own measure, for
@@ -31,9 +31,9 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
 /// changed, if that would take a weight that is not positive or is not possible to rounding accuracy.
 bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights);
 
-/// The polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1 times the
-/// height: on a plane, a sphere or a cylinder these are all polynomials of that degree in space. `points`: s, t,
-/// height of all points; scaled in place, the height by the extent along the face.
+/// Tabulates the polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1
+/// times the height: on a plane, a sphere or a cylinder these are all polynomials of that degree in space. `points`: s,
+/// t, height of all points; scaled in place, the height by the extent along the face.
 FunctionTable surface_polynomials(std::vector<double> (&points)[3], int degree, bool curved);
 
 }  // namespace cgcontact

@@ -22,7 +22,7 @@ struct Polygon {
   }
 };
 
-/// The parts of the polygon where the line's function is negative and where it is not.
+/// Splits the polygon where the line's function is negative and where it is not.
 void split(const Polygon& polygon, const Conic& line, Polygon& negative, Polygon& rest) {
   negative.n = rest.n = 0;
   double previous = line(polygon.s[polygon.n - 1], polygon.t[polygon.n - 1]);

@@ -20,7 +20,7 @@ struct TorqueCapacity {
   Axis axis;
   From from = From::scene;      ///< where the axis comes from
   double capacity = 0;          ///< N m, the coefficient times the integral of pressure times distance from the axis
-  double whole = 0;             ///< N m, of all equal parts of the zone (ZoneFigures::parts)
+  double whole = 0;             ///< N m, of all equal sectors of the zone (ZoneFigures::parts)
   double carried = 0;           ///< N m, what friction acts with on the first body about the axis
   std::optional<double> error;  ///< estimated, relative; none: that of the force has none
 };
@@ -33,7 +33,7 @@ inline const char* name_of(TorqueCapacity::From from) {
 struct FrictionFigures {
   double coefficient = 0;
   double capacity = 0;                   ///< N, the coefficient times the integral of the transmitted pressure
-  double whole = 0;                      ///< N, of all equal parts of the zone
+  double whole = 0;                      ///< N, of all equal sectors of the zone
   std::optional<double> error;           ///< estimated, relative; none: not resolved, or of a step before the last
   std::optional<TorqueCapacity> torque;  ///< none: no axis is known
   std::string why_no_torque;

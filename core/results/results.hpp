@@ -184,7 +184,8 @@ struct Verdict {
   State state = State::resolved;
   std::string text;  ///< one sentence
   std::vector<Pair> pairs;
-  double spring_share = 0;  ///< the part of a push on a body that springs take beside contact, where it is too large
+  double spring_share =
+      0;  ///< the fraction of a push on a body that springs take beside contact, where it is too large
 };
 
 /// "resolved", "not_resolved", ... as in report.json.
@@ -218,8 +219,8 @@ struct LoadFigures {
 struct BodyBalance {
   std::string body;
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
-  /// N, that part of `supports` which is none of the scene's: it holds motions that the scene leaves free, exactly zero
-  /// but for the cells.
+  /// N, that share of `supports` which is none of the scene's: it holds motions that the scene leaves free, exactly
+  /// zero but for the cells.
   Vec3 holds = Vec3::Zero();
 };
 
@@ -303,7 +304,7 @@ struct Results {
   struct CellCounts {
     long long active = 0, cut = 0, interior = 0;
     long long joined =
-        0;  ///< with a neighbour: less than GeometryOptions' part of them was the body's, which is rounding
+        0;  ///< with a neighbour: less than GeometryOptions' fraction of them was the body's, which is rounding
   } cells;
   std::vector<CoarseSolve> coarse_solves;  ///< before it, coarsest first
   int outer_iterations = 0;
@@ -344,7 +345,7 @@ struct Results {
   std::vector<SingularPlace> singular_places;  ///< with [accuracy], from two solves on
 };
 
-/// Tells whether any pair has a friction coefficient.
+/// Returns whether any pair has a friction coefficient.
 inline bool has_friction(const Results& results) {
   for (const PairFigures& pair : results.pairs)
     if (pair.friction) return true;

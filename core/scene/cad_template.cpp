@@ -53,7 +53,7 @@ double area_of(const TriangleSurface& surface, int t) {
   return (surface.corner(t, 1) - a).cross(surface.corner(t, 2) - a).norm() / 2;
 }
 
-/// Finds where two CAD bodies touch by the exact surfaces, which the triangles miss by a part of a cell.
+/// Finds where two CAD bodies touch by the exact surfaces, which the triangles miss by a fraction of a cell.
 Touching find_touching(const CadBody& a, const CadBody& b) {
   Vec3 a_min, a_max, b_min, b_max;
   a.bounding_box(a_min, a_max);
@@ -68,7 +68,7 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
     std::vector<double> whole(from.face_names().size(), 0);
     for (int t = 0; t < static_cast<int>(from.triangles().size()); ++t) {
       whole[from.patch(t)] += area_of(from, t);
-      // Large triangles of planes are looked at in parts.
+      // Large triangles of planes are sampled.
       constexpr int n = 4;
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j) {

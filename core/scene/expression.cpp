@@ -233,8 +233,8 @@ std::optional<double> constant_value(const std::string& text, const Constants& c
   }
 }
 
-/// Dimension of the text's value, none: zero whatever its parts are. Throws InputError if it has units and its parts do
-/// not fit.
+/// Returns the dimension of the text's value, none: zero whatever its operands are. Throws InputError if it has units
+/// and its operands do not fit.
 std::optional<Dimension> dimension_of(const TextWithoutUnits& plain, const std::string& text, const SourcePlace& place,
                                       const Constants& constants) {
   NamesAndPowers names;

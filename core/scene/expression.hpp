@@ -23,7 +23,7 @@ class Expression {
  public:
   Expression();  ///< zero
   explicit Expression(double value);
-  /// Compiles; throws InputError that names the place, the text and the position of the mistake. Units in the text are
+  /// Compiles; throws InputError that names the line, the text and the position of the mistake. Units in the text are
   /// checked against the SI unit that is `wanted` (none: any dimension), x, y and z being lengths.
   Expression(const std::string& text, const SourcePlace& place, const Constants& constants = {},
              const std::optional<Unit>& wanted = std::nullopt);

@@ -24,7 +24,7 @@ Found product(const Found& a, const Found& b, double power) {
   return result;
 }
 
-/// Finds the dimension of parts that must have one. `sign`: what stands between them.
+/// Finds the common dimension of operands. `sign`: what stands between them.
 Found common(const Found& a, const Found& b, const std::string& sign) {
   if (!a) return b;
   if (!b) return a;

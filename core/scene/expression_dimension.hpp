@@ -1,5 +1,5 @@
-/// The dimension of an expression, by the rules of algebra: parts of a sum, of a comparison, of `min` and `max` and
-/// both values of a condition have the same one, powers multiply it, other functions take pure numbers and angles.
+/// Dimension of an expression, by the rules of algebra: operands of a sum, of a comparison, of `min` and `max` and both
+/// values of a condition have the same one, powers multiply it, other functions take pure numbers and angles.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-/// Says which parts of an expression do not fit together: "a length > a force".
+/// Operands of an expression that do not fit together: "a length > a force".
 struct MixedDimensions : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -26,8 +26,8 @@ struct NamesAndPowers {
   std::function<std::optional<double>(const std::string& text)> value_of;
 };
 
-/// None: the value is zero whatever its parts are. An angle that is no power any more (an angle plus a number) is NaN.
-/// `text`: without units, of valid syntax. Throws MixedDimensions.
+/// Finds the dimension of an expression; none: the value is zero whatever its operands are. An angle that is no power
+/// any more (an angle plus a number) is NaN. `text`: without units, of valid syntax. Throws MixedDimensions.
 std::optional<Dimension> find_dimension(const std::string& text, const NamesAndPowers& names);
 
 /// Both sides of every comparison by size in an expression; what `sign` takes is compared with 0.

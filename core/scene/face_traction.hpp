@@ -37,13 +37,13 @@ class FaceMoments {
   void add(const Vec3& x, const Vec3& n, double area);
   double area() const { return area_; }
   Vec3 centroid() const { return origin_ + first_ / area_; }
-  /// Statically equivalent to a force (N) at a place (m) and a moment (N m): about the centroid c the moment is
-  /// M + (at - c) x F = integral of r x (spin x r) = (tr(S) I - S) spin, S the second moments of area about c. Throws
-  /// InputError (without a place) if the face has a moment to carry and is a line.
+  /// Returns the traction statically equivalent to a force (N) at a point (m) and a moment (N m): about the centroid c
+  /// the moment is M + (at - c) x F = integral of r x (spin x r) = (tr(S) I - S) spin, S the second moments of area
+  /// about c. Throws InputError (without a line) if the face has a moment to carry and is a line.
   FaceTraction with_resultants(const Vec3& force, const Vec3& moment, const Vec3& at) const;
-  /// Cosine pressure on the half of a cylinder that faces a force (N): its resultant is the force, or, of a part of
-  /// that half (cut at a plane of symmetry), has the force's component along it. Throws InputError (without a place) if
-  /// the face is no cylinder, or the force acts along its axis.
+  /// Returns the cosine pressure on the half of a cylinder that faces a force (N): its resultant is the force, or, of a
+  /// sector of that half (cut at a plane of symmetry), has the force's component along it. Throws InputError (without a
+  /// line) if the face is no cylinder, or the force acts along its axis.
   FaceTraction with_bearing(const Vec3& force) const;
   /// Returns the axis of a cylinder, or of facets that stand for one; none for other faces.
   std::optional<Axis> axis() const;

@@ -11,7 +11,7 @@ namespace {
 /// the box's sides.
 constexpr int samples = 4;
 constexpr double around = 1e-3;
-/// Part of the change over that distance: what is left of a linear function by rounding. A curved one has about
+/// Fraction of the change over that distance that rounding leaves of a linear function. A curved one has about
 /// `around`.
 constexpr double linear = 1e-8;
 

@@ -13,9 +13,9 @@ struct JumpPlane {
   double offset;
 };
 
-/// The planes in the box [min, max] (m) at which a comparison in the expression changes, as far as what is compared is
-/// linear in x, y, z in parts of the box (max(abs(x), abs(y)) < 2 mm: four planes). Found from its values around points
-/// spread over the box; comparisons that curve ("x^2 + y^2 < r^2") give none.
+/// Finds the planes in the box [min, max] (m) at which a comparison in the expression changes, as far as what is
+/// compared is linear in x, y, z in regions of the box (max(abs(x), abs(y)) < 2 mm: four planes). By its values around
+/// points spread over the box; comparisons that curve ("x^2 + y^2 < r^2") give none.
 std::vector<JumpPlane> jump_planes(const Expression& expression, const Vec3& min, const Vec3& max);
 
 }  // namespace cgcontact

@@ -17,7 +17,7 @@ const double least_outward_cosine = std::cos(pi / 6);
 constexpr double plane_slack = 1e-6;  // of the height: single precision in the file
 constexpr double end_share = 0.02, face_share = 0.1;
 
-/// The part of a triangle with sign * z >= level.
+/// Clips a triangle to sign * z >= level.
 std::vector<Vec3> clip(const TriangleSurface& surface, int t, double sign, double level) {
   std::vector<Vec3> polygon;
   for (int k = 0; k < 3; ++k) {
@@ -109,7 +109,7 @@ double enclosed_volume(const TriangleSurface& surface) {
   return volume;
 }
 
-/// Everything that depends on how the part is turned.
+/// Finds everything that depends on how the part is turned.
 void find_ends(const TriangleSurface& surface, PartOutline& outline) {
   outline.min = surface.tree().min();
   outline.max = surface.tree().max();

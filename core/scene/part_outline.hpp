@@ -1,4 +1,4 @@
-/// A first look at a part that is bounded by triangles: its size, what lies at its top and bottom, its smooth parts.
+/// Outline of a part that is bounded by triangles: its size, what lies at its top and bottom, its smooth regions.
 /// `cgcontact init` lays out a scene by it.
 #pragma once
 
@@ -15,15 +15,15 @@ namespace cgcontact {
 /// Triangles that creases of 30 degrees divide from the others.
 struct SmoothPart {
   double area = 0;             ///< m^2
-  Vec3 normal = Vec3::Zero();  ///< mean outward normal, zero where the part is closed in itself
+  Vec3 normal = Vec3::Zero();  ///< mean outward normal, zero where the region is closed in itself
   Vec3 seed = Vec3::Zero();    ///< m, centre of its largest triangle
   bool flat = false;           ///< all normals within a degree of the mean
 };
 
-/// The end of the part in the direction z+ or z-.
+/// End of the part in the direction z+ or z-.
 struct PartEnd {
   bool flat = false;  ///< most of it lies in the plane that touches the part
-  /// Extent of the flat part, or of what lies within 2 % of the part's height, m.
+  /// Extent of the flat region, or of what lies within 2 % of the part's height, m.
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
   /// There is surface within the last tenth of the height whose normal is within 30 degrees of the direction.
   bool faces_outwards = false;
@@ -42,7 +42,7 @@ struct PartOutline {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
   double volume = 0;                            ///< m^3
   PartEnd top, bottom;
-  std::vector<SmoothPart> parts;  ///< largest first, places and normals as in the file
+  std::vector<SmoothPart> parts;  ///< largest first, positions and normals as in the file
   Mat3 turn = Mat3::Identity();   ///< min, max, top and bottom are those of the part turned so about the origin
   double area = 0;                ///< m^2
   /// Cuts the part by the horizontal plane after it has come down by `push` (m).
@@ -54,11 +54,11 @@ struct PartOutline {
 };
 
 /// Reads, checks and repairs the surface (.stl, .obj, .ply, .off) as a scene would. A part that ends in a tip or edge
-/// at its top is turned such that its largest flat part is there, if it has one. scale: m per unit of the file. Throws
-/// InputError that names the file.
+/// at its top is turned such that its largest flat region is there, if it has one. scale: m per unit of the file.
+/// Throws InputError that names the file.
 PartOutline outline_part(const std::string& file, double scale, bool repair = false);
 
-/// The same of a surface (m) whose patches are its smooth parts; `note` says where it comes from.
+/// Outlines a surface (m) whose patches are its smooth regions; `note` says where it comes from.
 PartOutline outline_surface(const TriangleSurface& surface, const std::string& note);
 
 }  // namespace cgcontact

@@ -28,7 +28,7 @@ namespace {
 constexpr std::uintmax_t largest_file = 16 << 20;
 constexpr int most_key_parts = 20;
 
-/// Throws for a file that is a part of a scene by its name, with what makes a scene of it.
+/// Throws for a geometry file that a scene can name, with what makes a scene of it.
 void expect_no_part(const std::string& file) {
   const CadFormat format = cad_format(file);
   const bool is_cad = format != CadFormat::unknown;

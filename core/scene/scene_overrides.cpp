@@ -33,7 +33,7 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Tells whether every bracket is part of a "[...]" that ends the key or is followed by a dot or another one.
+/// Returns whether every bracket is in a "[...]" that ends the key or is followed by a dot or another one.
 bool has_whole_brackets(const std::string& key) {
   for (std::size_t k = key.find_first_of("[]"); k != std::string::npos; k = key.find_first_of("[]", k + 1)) {
     const std::size_t end = key.find_first_of("[].", k + 1);

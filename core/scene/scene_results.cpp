@@ -1,4 +1,4 @@
-/// Sections of the scene file that ask for results at places: [[probe]], [[section]].
+/// Sections of the scene file that ask for results at points: [[probe]], [[section]].
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -24,7 +24,7 @@ struct Shape {
   std::vector<std::string> notes;                               ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;                            ///< the same for what the user should look at
   std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, in the order of the file
-  bool has_mesh = false;                                        ///< a surface from a file is part of it
+  bool has_mesh = false;                                        ///< a surface from a file is in it
 
   /// "primitive.face" of all faces.
   std::vector<std::string> face_names() const;

@@ -191,10 +191,11 @@ struct Layout {
   bool is_long = false;    ///< the contact zone is much longer than wide
 };
 
-/// Flat ends are compressed by that part of the part's height; the plate comes down on others by no more than that.
+/// Fraction of the part's height by which flat ends are compressed; largest one by which the plate comes down on
+/// others.
 constexpr double flat_strain = 1e-3, most_strain = 0.01;
 
-/// Enough cells through thin parts, not too many in all.
+/// Returns a cell size: enough cells through thin regions, not too many in all.
 double cell_size_for(const PartOutline& part, double cells) {
   const Vec3 extent = part.max - part.min;
   const double longest = extent.maxCoeff(), shortest = extent.minCoeff();
@@ -206,7 +207,7 @@ double cell_size_for(const PartOutline& part, double cells) {
   return two_digits(std::max(h, std::sqrt(part.area / 2 / (2 * most_cells))));
 }
 
-/// The plate over the top of the part; `least`: half of its width, thickness (m).
+/// Places the plate over the top of the part; `least`: half of its width, thickness (m).
 void place_plate(const PartOutline& part, double least_half, double least_thickness, Layout& layout) {
   const PartEnd& top = part.top;
   const Vec3 extent = part.max - part.min, center = (top.min + top.max) / 2;
@@ -236,8 +237,8 @@ Layout lay_out_cells(const PartOutline& part, double cells) {
   return layout;
 }
 
-/// With [accuracy]: nothing depends on cells. The push is the largest of which the contact zone is rather smaller than
-/// the part and its strain moderate. is_narrow: a tip or edge, which has no such push.
+/// Lays out a scene with [accuracy]: nothing depends on cells. The push is the largest of which the contact zone is
+/// rather smaller than the part and its strain moderate. is_narrow: a tip or edge, which has no such push.
 Layout lay_out(const PartOutline& part) {
   // Half widths of the cut over the part's shortest side; ways down over half widths: of a ball 0.15 is a contact
   // radius of a tenth of its own and a pressure of E/30. Facets are steep at once, so that 0.15 does not count below
@@ -262,7 +263,7 @@ Layout lay_out(const PartOutline& part) {
   return layout;
 }
 
-/// Selectors of the outermost tenth of the part, of its outward side where it has one.
+/// Returns selectors of the outermost tenth of the part, of its outward side where it has one.
 std::string end_selector(const PartOutline& part, const PartEnd& end, double sign) {
   const Vec3 extent = part.max - part.min;
   Vec3 min = part.min - 0.01 * extent, max = part.max + 0.01 * extent;
@@ -339,7 +340,7 @@ AccuracyLines lines_for_accuracy(const PartOutline& part) {
   return lines;
 }
 
-/// A part of a scene: where it comes from, how it looks, the lines that say its shape.
+/// Part as text: its file, how it looks, the lines that say its shape.
 struct Part {
   std::string file, shape;
   PartOutline outline;

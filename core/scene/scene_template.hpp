@@ -15,7 +15,7 @@ struct InitOptions {
   std::string cad;      ///< .step, .iges or .brep file whose solids become bodies, instead of a surface
   std::string unit;     ///< of the surface or the .brep file, as in a scene
   bool repair = false;  ///< the surface, as the key of that name does
-  /// Cells of one size, so many along the longest side of the part; none: the scene asks for an accuracy.
+  /// Number of cells of one size along the longest side of the part; none: the scene asks for an accuracy.
   std::optional<int> cells;
 };
 

@@ -23,7 +23,7 @@ std::size_t end_of_number(const std::string& text, std::size_t k) {
   return error == std::errc() ? static_cast<std::size_t>(end - text.data()) : k;
 }
 
-/// Tells whether a number ends before k, which is no part of a quotient or a power itself.
+/// Returns whether a number ends before k, not in a quotient or a power itself.
 bool is_behind_number(const std::string& text, std::size_t k) {
   while (k > 0 && text[k - 1] == ' ') --k;
   const std::size_t end = k;
@@ -57,7 +57,7 @@ std::string unit_of_divisor(const std::string& text, const Dimension& found, con
   return "";
 }
 
-/// A mass in the place of its weight ("50 kg" as a force, "5 kg/cm^2" as a pressure): what it weighs; "" if it is
+/// Returns the weight of a mass that stands for it ("50 kg" as a force, "5 kg/cm^2" as a pressure); "" if it is
 /// something else.
 std::string weight_of_mass(const Dimension& found, const Dimension& wanted) {
   Dimension weight = found;

@@ -32,7 +32,7 @@ struct AccuracyOptions {
   std::optional<double> force;             ///< contact force of each pair
   std::optional<double> stress;            ///< stress, energy norm, all bodies together
   std::vector<BodyTarget> stress_of_body;  ///< the same of single bodies
-  std::vector<NamedTarget> named;          ///< pairs have their own target in the place of `pressure`
+  std::vector<NamedTarget> named;          ///< pairs have their own target instead of `pressure`
 
   // Limits of a run.
   double max_unknowns = 5e6;  ///< of one solve
@@ -47,13 +47,13 @@ struct AccuracyOptions {
   double first_cells_through = 2.7, most_first_cells = 40000;
   /// Growth of the cells with the distance from the contact zone.
   double grading = 0.25;
-  /// The cells of a zone's size go on by that part of half its width beyond its closed points.
+  /// Fraction of half a zone's width by which its cells go on beyond its closed points.
   double beyond_zone = 0.15;
   /// Cells over half the width of a zone on the first grid that resolves it.
   double middle_cells = 4;
   /// Refinement where nothing but the group of a zone is known.
   double narrowing = 24;
-  /// Part of the target that the next grid aims at, and the power of the size that errors are taken to fall with.
+  /// Fraction of the target that the next grid aims at, and the power of the size that errors are taken to fall with.
   double aim = 0.75, rate = 1.1;
   /// Factor on the estimate of one solution: true errors are below the product in 95 % of runs.
   double safety = 1.2;
@@ -61,13 +61,13 @@ struct AccuracyOptions {
   double doubtful_width = 5;
   /// The size changes at least and at most by these factors from one solve to the next.
   double least_change = 1.4, most_change = 8;
-  /// Part of the target of the pressure that the force's error may take.
+  /// Fraction of the target of the pressure that the force's error may take.
   double force_part = 0.7;
-  /// Part of what the targets allow that the next grid aims at for the energy norm.
+  /// Fraction of what the targets allow that the next grid aims at for the energy norm.
   double energy_aim = 0.9;
   /// Growth of cells with the distance from those that the energy norm's error asks for.
   double energy_grading = 0.5;
-  /// Part of a cell: faces of an open pair that are so near may touch between the points where the gap is known.
+  /// Fraction of a cell: faces of an open pair this near may touch between the points where the gap is known.
   double near_gap = 0.05;
 
   bool any() const { return pressure || force || stress || !stress_of_body.empty() || !named.empty(); }

@@ -8,7 +8,7 @@ namespace cgcontact {
 struct ContactOptions {
   // Constants of the method; figures in docs/decisions.md, "Supports and contact" and "Contact search".
 
-  /// Rule on the pieces of the coarser body's surface that both grids divide: exact for the products of both bodies'
+  /// Order of the rule on the coarser body's boundary, which both grids divide: exact for the products of both bodies'
   /// trilinear shape functions, which the patch test needs.
   int quadrature_order = 2;
   /// A pair sees its closest points and that much beyond them, of the larger cells and of the smaller body's longest

@@ -22,7 +22,7 @@ struct BalanceOptions {
   /// Width (standard deviation) of the mean, what it may be off without any change, and from where on all of it is
   /// changed. Smooth contacts are within.
   double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
-  /// The total may be farther off than that of the plain recovery by that part of the force.
+  /// Fraction of the force by which the total may be farther off than that of the plain recovery.
   double total_exact = 0.003;
 };
 
@@ -49,7 +49,7 @@ struct RecoveryOptions {
   /// Fraction of rank_tolerance for degree 2: the rows of the curvature of a traction are weak ones although not
   /// redundant (docs/recovery.md).
   double quadratic_rank_part = 0.1;
-  /// A patch counts as closed when at least this part of its contact area is (one of four equal cells: whatever the
+  /// A patch counts as closed when at least this fraction of its contact area is (one of four equal cells: whatever the
   /// rounding). Paper's scene, mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159
   /// .080 .038, a quarter .149 .067 .035, half .216 .097 .041.
   double closed_fraction = 0.25;

@@ -16,15 +16,15 @@ struct ResultOptions {
   /// Cells over the thickness of a body below which its bending is not resolved, 11 to 26 % too stiff at 1.5 cells, 6
   /// to 12 % at two, and those that are recommended (docs/decisions.md, "Bodies thinner than their cells").
   double least_thickness = 1.75, wanted_thickness = 3;
-  /// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
+  /// Fraction of the transmitted force by which the integral of the recovered pressure may be off without a warning.
   double lost_force = 0.15;
-  /// Part of the loads on a face or a body by which the quadrature of their expressions may be off without a word: a
-  /// tenth of the smallest accuracy that is asked for in general, 1 %.
+  /// Fraction of the loads on a face or a body by which the quadrature of their expressions may be off without a
+  /// warning: a tenth of the smallest accuracy that is asked for in general, 1 %.
   double lost_load = 1e-3;
   /// Fractions of a contact's force above which the result is marked: by which the forces on its bodies do not balance;
   /// which what holds otherwise unresisted motions takes. The accuracy of what is called known, and a coarse one.
   double largest_imbalance = 0.01, largest_hold = 0.05;
-  /// Part of the integral of a contact's pressure that its estimated errors may add up to: beyond a half nothing is
+  /// Fraction of the integral of a contact's pressure that its estimated errors may add up to: beyond a half nothing is
   /// known of it but the order of magnitude. Scenes with a known answer have 0.04 at most.
   double largest_error = 0.5;
   /// Strain whose terms of second order, which the theory leaves out, are some 5 % of those that it keeps.
@@ -45,7 +45,7 @@ struct ResultOptions {
   /// Largest ratio of the force's error to the square of the energy norm's, where a zone ends inside the faces: its
   /// ends lie at whole contact groups there.
   double edge_factor = 2;
-  /// Part of the largest pressure by which the recovered pressure may leave the range of the others around it
+  /// Fraction of the largest pressure by which the recovered pressure may leave the range of the others around it
   /// (docs/recovery.md, "Error figures": 0.05 at most in contacts that are right, 0.4 in a hole).
   double largest_jump = 0.1;
 

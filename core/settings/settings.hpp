@@ -26,7 +26,7 @@ Choice choice_of(Enum& value, const std::vector<std::string>& names) {
   return {names, [&value] { return static_cast<int>(value); }, [&value](int k) { value = static_cast<Enum>(k); }};
 }
 
-/// From one place to another, m.
+/// Both ends of a path, m.
 using PathEnds = std::pair<Vec3, Vec3>;
 
 struct Setting {

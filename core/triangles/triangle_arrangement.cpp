@@ -51,7 +51,7 @@ class Cutter {
     for (const Vec3& x : soup_.points) points_.emplace_back(x[0], x[1], x[2]);
   }
 
-  /// The pieces, those that coincide as one, none that cancel.
+  /// Returns the fragments, those that coincide as one, none that cancel.
   std::vector<Facet> run(std::vector<Vec3>& points) {
     const std::size_t n = soup_.triangles.size();
     std::vector<char> has_area(n);
@@ -148,7 +148,7 @@ class Cutter {
       for (const int t : {a, b}) cuts_[t].emplace_back(corners[i], corners[(i + 1) % corners.size()]);
   }
 
-  /// The triangle's pieces, found in the coordinate plane nearest to it.
+  /// Divides a triangle, in the coordinate plane nearest to it.
   void divide(int t) {
     const Triangle& corners = soup_.triangles[t];
     const Vec3 normal = (soup_.points[corners[1]] - soup_.points[corners[0]])
@@ -340,7 +340,7 @@ std::vector<EdgePair> pairs_at_edge(const TriangleSoup& soup, const std::vector<
   return pairs;
 }
 
-/// Parts the surface where more than two triangles meet at an edge, or several fans of them at a point.
+/// Separates the surface where more than two triangles meet at an edge, or several fans of them at a point.
 void part(TriangleSoup& soup) {
   std::vector<int> leader(3 * soup.triangles.size());  // of every corner of a triangle
   std::iota(leader.begin(), leader.end(), 0);

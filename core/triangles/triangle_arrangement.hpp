@@ -5,16 +5,16 @@
 
 namespace cgcontact {
 
-/// The boundary of the points about which the solids wind (any number of times but none) and the cavities do not, as a
-/// mesh arrangement (Zhou, Grinspun, Zorin, Jacobson, Mesh arrangements for solid geometry, ACM TOG 35, 2016): all
-/// triangles are cut where others cross, touch or cover them; of the pieces those stay that part inside and outside.
-/// The surfaces are closed, each oriented alike throughout; cavities with their normals out of the hollow. In the
-/// result normals point out of the body, two triangles meet at every edge, and points of parts that only touch are
-/// there once for each part. Points nearer to each other than `one_point` are one.
+/// Returns the boundary of the points about which the solids wind (any number of times but none) and the cavities do
+/// not, as a mesh arrangement (Zhou, Grinspun, Zorin, Jacobson, Mesh arrangements for solid geometry, ACM TOG 35,
+/// 2016): all triangles are cut where others cross, touch or cover them; of the fragments those stay that separate
+/// inside and outside. The surfaces are closed, each oriented alike throughout; cavities with their normals out of the
+/// hollow. In the result normals point out of the body, two triangles meet at every edge, and points of shells that
+/// only touch are there once for each. Points nearer to each other than `one_point` are one.
 TriangleSoup outer_boundary(const TriangleSoup& solids, const TriangleSoup& cavities, double one_point);
 
-/// The end of it: removes needles and triangles that are there in both senses, and parts the surface where more than
-/// two triangles meet at an edge, such that neighbours have body between them.
+/// Cleans the result: removes needles and triangles that are there in both senses, and separates the surface where more
+/// than two triangles meet at an edge, such that neighbours have body between them.
 void part_where_touching(TriangleSoup& soup);
 
 }  // namespace cgcontact

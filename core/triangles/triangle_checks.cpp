@@ -106,7 +106,7 @@ int remove_needles(TriangleSoup& soup) {
     if (neighbours.empty()) neighbours = edge_neighbours(soup.triangles, soup.points.size());
     const int other = neighbours[t][edge], middle = needle[(edge + 2) % 3];
     if (other < 0 || changed[other] || edge_of_needle(soup, soup.triangles[other]) >= 0) continue;
-    Triangle second = soup.triangles[other];  // takes the place of the needle
+    Triangle second = soup.triangles[other];  // replaces the needle
     std::replace(soup.triangles[other].begin(), soup.triangles[other].end(), needle[edge], middle);
     std::replace(second.begin(), second.end(), needle[(edge + 1) % 3], middle);
     soup.triangles[t] = second;
@@ -153,7 +153,7 @@ void check_edges(const TriangleSoup& soup, const std::string& file) {
          "all triangles counterclockwise seen from outside");
 }
 
-/// Number of the connected part of every triangle.
+/// Returns the connected component of every triangle.
 std::vector<int> find_shells(const TriangleSoup& soup, int& count) {
   const auto neighbours = edge_neighbours(soup.triangles, soup.points.size());
   std::vector<int> shell(soup.triangles.size(), -1);
@@ -180,8 +180,8 @@ void turn(TriangleSoup& soup) {
   for (Triangle& t : soup.triangles) std::swap(t[1], t[2]);
 }
 
-/// Is one shell inside another one? By some of its triangles' centroids, of which those on the other shell do not
-/// count; throws if they disagree, or none counts. `place`: a triangle of each in the soup.
+/// Returns whether one shell is inside another one, by some of its triangles' centroids, of which those on the other
+/// shell do not count; throws if they disagree, or none counts. `place`: a triangle of each in the soup.
 bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const TriangleSoup& soup, int place,
                int other_place, const std::string& file) {
   const double distance = near_shell * soup.diagonal();

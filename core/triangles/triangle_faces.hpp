@@ -12,7 +12,7 @@
 
 namespace cgcontact {
 
-/// Edges where the normals of two triangles differ by more than this part patches, radians (30 degrees).
+/// Angle between the normals of two triangles from which their edge separates patches, radians (30 degrees).
 constexpr double default_crease_angle = 0.5235987755982988;
 
 /// Selects the triangles that meet all conditions given. Lengths in m, in the coordinates of the surface.

@@ -301,8 +301,8 @@ TriangleSoup read_obj(const std::string& file, const std::string& text) {
   return soup;
 }
 
-/// Text in OFF, also with colours, normals or texture coordinates behind the places (COFF, NOFF, STOFF, ...), which say
-/// nothing about the shape.
+/// Reads text in OFF, also with colours, normals or texture coordinates behind the coordinates (COFF, NOFF, STOFF,
+/// ...), which say nothing about the shape.
 TriangleSoup read_off(const std::string& file, const std::string& text) {
   TriangleSoup soup;
   LineReader reader(file, text);
@@ -347,7 +347,7 @@ TriangleSoup read_off(const std::string& file, const std::string& text) {
   return soup;
 }
 
-/// The part of a PLY file's header that describes one element.
+/// Lines of a PLY file's header that describe one element.
 struct PlyProperty {
   std::string name, type, count_type;  ///< count_type: of a list
 };

@@ -211,7 +211,7 @@ TriangleSoup joined(const std::vector<const Shell*>& shells) {
   return soup;
 }
 
-/// Numbers of the connected parts of a closed surface.
+/// Returns the connected component of every triangle of a closed surface.
 std::vector<int> shell_numbers(const TriangleSoup& soup, int& count) {
   std::vector<int> number(soup.triangles.size(), -1);
   const auto neighbours = edge_neighbours(soup.triangles, soup.points.size());

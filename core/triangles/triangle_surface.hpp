@@ -1,6 +1,6 @@
-/// A closed surface of triangles that bounds a body. Its triangles are grouped into patches: parts of a named face
-/// without creases, which play the role of the elementary surfaces of a CSG solid. Read-only after construction, so
-/// that threads may share it.
+/// Closed surface of triangles that bounds a body. Its triangles are grouped into patches: regions of a named face
+/// without creases, which stand for the elementary surfaces of a CSG solid. Read-only after construction, so that
+/// threads may share it.
 #pragma once
 
 #include <memory>
