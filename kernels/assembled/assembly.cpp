@@ -15,7 +15,7 @@ using SizeView = Kokkos::View<std::size_t*, MemSpace>;
 using GhostMatrixView = Kokkos::View<double[12][12], Kokkos::LayoutRight, MemSpace>;
 using Policy = Kokkos::RangePolicy<ExecSpace>;
 
-/// Counts in list(0 .. n - 1) become places: list(i) = sum of the counts before i, list(n) = the sum of all.
+/// Turns counts in list(0 .. n - 1) into offsets: list(i) = sum of the counts before i, list(n) = the sum of all.
 void count_to_place(const ExecSpace& exec, const char* label, const SizeView& list) {
   Kokkos::parallel_scan(
       label, Policy(exec, 0, list.extent(0)), KOKKOS_LAMBDA(const int i, std::size_t& sum, const bool is_final) {
@@ -92,7 +92,7 @@ BodyParts parts_of_body(const ExecSpace& exec, const BodyMesh& mesh) {
   return parts;
 }
 
-/// Place of a DoF among those that the contact groups touch, or -1.
+/// Returns the index of a DoF among those that the contact groups touch, or -1.
 KOKKOS_INLINE_FUNCTION int touched_dof(const IntView& dof_list, int dof) {
   int low = 0, high = static_cast<int>(dof_list.extent(0));
   while (low < high) {
@@ -121,7 +121,7 @@ struct NodeGraph {
   SizeView begin;  ///< node -> first, and the end
   IntView column;
 
-  /// Place of a column that is there.
+  /// Returns the index of a column that is there.
   KOKKOS_INLINE_FUNCTION std::size_t find(int node, int col) const {
     std::size_t low = begin(node), high = begin(node + 1);
     while (low + 1 < high) {
@@ -147,7 +147,7 @@ KOKKOS_INLINE_FUNCTION int insert(int* list, int length, int number) {
 
 NodeGraph make_graph(const ExecSpace& exec, const std::vector<BodyParts>& bodies, const GroupRows& groups,
                      int num_nodes) {
-  // Room for all that may come, each node's columns in its own part of it.
+  // Room for all that may come, each node's columns in a range of their own.
   const SizeView room("cgcontact::assembly::room", num_nodes + 1), begin("cgcontact::assembly::begin", num_nodes + 1);
   for (const BodyParts& body : bodies) {
     const SizeView cells = body.cells.begin, faces = body.faces.begin;

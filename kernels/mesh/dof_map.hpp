@@ -53,7 +53,7 @@ class DofMap {
   using Map = Tpetra::Map<>;
   using Comm = Teuchos::RCP<const Teuchos::Comm<int>>;
 
-  /// Without a halo no other rank has a part in these nodes. Throws InputError if there are more than 32-bit numbers of
+  /// Without a halo no other rank shares these nodes. Throws InputError if there are more than 32-bit numbers of
   /// degrees of freedom hold; std::invalid_argument where a constraint names a node that does not exist, constrains a
   /// node twice, has no master, the same master twice or a weight that is not finite, or has a constrained node as its
   /// master: chains are to be resolved by who makes the constraints.
@@ -94,7 +94,7 @@ void set_to_zero(const Exec& exec, const IntView& dofs, const X& x) {
 }
 
 /// x at ghosts = x at their owners, x at constrained nodes = weighted sums of x at their masters, x = 0 where it is to
-/// be. x: DofMap::num_dofs entries, contiguous. With a halo called by all ranks.
+/// be. x: DofMap::num_dofs entries, contiguous. Collective with a halo.
 template <class Exec, class X>
 void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
   if (dofs.halo()) {

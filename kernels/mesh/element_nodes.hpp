@@ -11,7 +11,7 @@ namespace cgcontact {
 
 template <int degree>
 struct ElementNodes {
-  GridNumbers numbers;         ///< of the lattice's places: indices into places
+  GridNumbers numbers;         ///< of the lattice's positions: indices into places
   std::vector<Index3> places;  ///< of each node on the lattice, by k, j, i
   std::vector<std::array<int, HexElement<degree>::num_nodes>> of_cell;  ///< first_node + index, of each active cell
 };

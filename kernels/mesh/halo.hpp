@@ -41,10 +41,10 @@ class Halo {
   const IntView& owned() const { return owned_; }    ///< ascending
   const IntView& others() const { return others_; }  ///< neither owned nor constrained
 
-  /// x (of all local degrees of freedom) at ghosts := x at their owners. Called by all ranks.
+  /// x (of all local degrees of freedom) at ghosts := x at their owners. Collective.
   void import_ghosts(double* x) const;
   void import_ghosts(float* x) const;
-  /// Sum of all ranks' values, in place. Called by all ranks.
+  /// Sum of all ranks' values, in place. Collective.
   void sum(double* values, std::size_t count) const;
   void sum(float* values, std::size_t count) const;
 

@@ -16,7 +16,7 @@ bool is_corner(const BodyMesh& part, const Index3& place) {
   return false;
 }
 
-/// Active cell of a part that has a point in or on it; `twice`: its place in half cells of the part. -1: none.
+/// Returns the active cell of a level that has a point in or on it; `twice`: its position in half cells. -1: none.
 int cell_around(const BodyMesh& part, const Index3& twice) {
   for (int a = 0; a < 8; ++a) {
     Index3 cell;
@@ -75,7 +75,7 @@ class Constrainer {
     if (!own) throw std::logic_error("a node of a virtual cell lies in no cell");
   }
 
-  /// Interpolation at a place (in half cells) of a cell: the mean of the corners on the smallest side it lies on.
+  /// Interpolates at a position (in half cells) of a cell: the mean of the corners on the smallest side it lies on.
   static SparseRow corners(const BodyMesh& part, int cell, const Index3& twice) {
     const Index3& c = part.cut_cells->cells[cell];
     SparseRow row;

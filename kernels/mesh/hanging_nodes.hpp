@@ -11,8 +11,8 @@ namespace cgcontact {
 /// Returns how often a cell of one grid is halved to be as large as one of the other; both descend from the same grid.
 int halvings(const Grid& larger, const Grid& smaller);
 
-/// Constraints of the nodes of a body's parts, whose cells descend in size (or are equal), ascending in node:
-///   a node that a part before also has is that node;
+/// Returns constraints of the nodes of a body's levels, whose cells descend in size (or are equal), ascending in node:
+///   a node that an earlier level also has is that node;
 ///   a node on an edge or a face of a larger cell is the mean of that edge's or face's corners;
 ///   a node of a virtual child is interpolated in the larger cell;
 ///   on a quadtree (Grid::slice) a node of the upper side is what the one opposite is.

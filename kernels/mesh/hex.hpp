@@ -76,7 +76,7 @@ struct HexElement {
   /// exactly: products of two gradients are of degree 2 * degree per variable.
   using Gauss = std::conditional_t<degree == 1, Gauss3, Gauss5>;
 
-  /// Place of a node along direction d, 0 .. degree.
+  /// Returns the index of a node along direction d, 0 .. degree.
   KOKKOS_INLINE_FUNCTION static constexpr int place(int node, int d) {
     return (d == 0 ? node : d == 1 ? node / nodes_per_line : node / nodes_per_face) % nodes_per_line;
   }

@@ -26,8 +26,8 @@ BodyMesh empty_mesh(const CutCells& cut_cells, const Material& material, const S
   return mesh;
 }
 
-/// Faces of a part towards cells of twice the size, of one of the parts before it (or of the same size, which parts
-/// have on coarse levels of multigrid).
+/// Finds the faces of a level towards cells of twice the size, of one of the levels before it (or of the same size,
+/// which levels have on coarse grids of multigrid).
 std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std::size_t own) {
   std::vector<LevelFace> faces;
   const CutCells& cells = parts[own];
@@ -48,7 +48,7 @@ std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std:
   return faces;
 }
 
-/// The lists of all parts one after the other.
+/// Joins the lists of all levels one after the other.
 void join_parts(BodyMesh& mesh) {
   int level = 0;
   for (const BodyMesh& part : mesh.parts) {

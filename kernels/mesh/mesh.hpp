@@ -22,18 +22,18 @@ struct Scales {
 /// larger cell is represented by a virtual child, which has nodes but no stiffness.
 struct LevelFace {
   int cell;       ///< the smaller cell
-  Index3 lower;   ///< place of the lower of the two cells: the smaller one or the virtual child
+  Index3 lower;   ///< index of the lower of the two cells: the smaller one or the virtual child
   int direction;  ///< of the face's normal
 };
 
-/// Active nodes of one body (corners of active cells) and the nodes of its cells.
-/// Displacements are stored node by node (x, y, z in grid axes), in units of Scales::length;
-/// node numbers run through all bodies (first_node .. first_node + num_nodes).
+/// Active nodes of one body (corners of active cells) and the nodes of its cells. Displacements are stored node by node
+/// (x, y, z in grid axes), in units of Scales::length; node numbers run through all bodies (first_node .. first_node +
+/// num_nodes).
 ///
-/// A body of several levels has a part for each: a mesh of its own, on a grid of one level, with numbers of its own for
-/// all corners of its cells. The body's own lists are those of the parts one after the other. Where levels meet, nodes
-/// are constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane
-/// strain (Grid::plane_strain) those of the upper side are.
+/// A body of several levels has a part for each level: a mesh of its own, on a grid of one level, with numbers of its
+/// own for all corners of its cells. The body's own lists are those of the parts one after the other. Where levels
+/// meet, nodes are constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children.
+/// In plane strain (Grid::plane_strain) those of the upper side are.
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
@@ -41,14 +41,14 @@ struct BodyMesh {
   bool rigid = false;  ///< moves as a whole (RigidBodies)
   double length = 1;   ///< Scales::length, m
   int first_node = 0, num_nodes = 0;
-  std::vector<Index3> nodes;                   ///< place of each active node in the grid of its level, by k, j, i
+  std::vector<Index3> nodes;                   ///< index of each active node in the grid of its level, by k, j, i
   GridNumbers node_numbers;                    ///< of the nodes of a body of one level: indices into nodes
   std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
   std::vector<BodyMesh> parts;                 ///< of each level; empty: one level
   std::vector<signed char> node_levels;        ///< of each node; empty: 0
   std::vector<NodeConstraint> constraints;     ///< node numbers (all bodies), ascending in node; masters are free
   std::vector<int> constraint_of_node;         ///< of each node: index into constraints, -1: free; empty: all are free
-  std::vector<LevelFace> level_faces;          ///< of a part: towards larger cells
+  std::vector<LevelFace> level_faces;          ///< of a level: towards larger cells
 
   /// Size of an active cell, and of the cells of a level, in units of Scales::length.
   double h(int cell) const { return cut_cells->h(cell) / length; }
@@ -59,7 +59,7 @@ struct BodyMesh {
   }
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.
   double stress_factor(int cell) const { return modulus / h(cell); }
-  /// Place of a node (index into nodes), grid coordinates.
+  /// Returns the position of a node (index into nodes), grid coordinates.
   Vec3 node_position(int node) const {
     const Vec3 place(nodes[node][0], nodes[node][1], nodes[node][2]);
     return node_levels.empty() ? place : Vec3(std::ldexp(1.0, -node_levels[node]) * place);
@@ -107,7 +107,8 @@ struct BodyMesh {
   /// rigid body.
   int num_free_dofs() const;
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
-  /// Number among the nodes of all bodies of the one at a place of the grid, or -1. A body of one level.
+  /// Returns the number, among the nodes of all bodies, of the node at a position of the grid, or -1. A body of one
+  /// level.
   int find_node(const Index3& place) const {
     const int node = node_numbers.find(place);
     return node < 0 ? -1 : first_node + node;
@@ -120,10 +121,11 @@ struct BodyMesh {
 /// gives nothing: docs/decisions.md, "Ghost penalty".
 bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 
-/// The virtual children of a part, one per face.
+/// Returns the virtual children of a level, one per face.
 std::vector<Index3> virtual_cells(const BodyMesh& part);
 
-/// Nodes and faces between levels without the constraints; with parts, the body's own lists are made if `joined`.
+/// Numbers the nodes and finds faces between levels, without the constraints; with levels, the body's own lists are
+/// made if `joined`.
 BodyMesh number_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node,
                           bool joined);
 

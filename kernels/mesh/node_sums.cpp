@@ -6,7 +6,7 @@ namespace {
 /// Nodes that one thread sums, one after the other.
 constexpr int block = 4096;
 
-/// Places of the nodes where kernels read them: the host's, where they reach it.
+/// Positions of the nodes where kernels read them: the host's, where they reach it.
 struct NodePlaces {
   Kokkos::View<const Index3*, MemSpace> place;
   Kokkos::View<const signed char*, MemSpace> level;  ///< empty: 0

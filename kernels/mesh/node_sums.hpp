@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// Mean place of the nodes, grid coordinates.
+/// Returns the mean position of the nodes, grid coordinates.
 Vec3 centre_of_nodes(const BodyMesh& mesh);
 
 /// Sum of a vector over the nodes, and of its moments about a centre.

@@ -171,7 +171,7 @@ CutCells next_cut_cells(const CutCells& fine) {
 
 CoarseCells::CoarseCells(const ElasticSystem& fine, const ElasticSystem& coarse)
     : fine_(fine.parts()), coarse_(coarse.parts()) {
-  int first = 0;  // coarse part of the body
+  int first = 0;  // coarse level of the body
   for (std::size_t b = 0; b < fine.meshes.size(); ++b) {
     const int fine_parts = std::max<int>(1, static_cast<int>(fine.meshes[b].parts.size()));
     const int coarse_parts = std::max<int>(1, static_cast<int>(coarse.meshes[b].parts.size()));
@@ -265,7 +265,8 @@ std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine,
 
 namespace {
 
-/// A node of one level from the nodes of cells of twice the size: place (in small cells) -> nodes of the larger part.
+/// Interpolates a node of one level from the nodes of cells of twice the size: position (in small cells) -> nodes of
+/// the larger level.
 SparseRow interpolate_place(const BodyMesh& larger, const Index3& place) {
   SparseRow row;
   for (int a = 0; a < 8; ++a) {
@@ -321,7 +322,7 @@ Transfer make_row_transfer(const ElasticSystem& fine, const ElasticSystem& coars
 }  // namespace
 
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
-  // A body whose largest cells are all refined has several parts and no hanging node.
+  // A body whose largest cells are all refined has several levels and no hanging node.
   if (!fine.constraints.empty() || fine.parts().size() != fine.meshes.size()) return make_row_transfer(fine, coarse);
   Transfer transfer;
   transfer.parents = decltype(transfer.parents)("cgcontact::coarsen::parents", fine.num_nodes);
@@ -414,7 +415,7 @@ RowCoarsening::RowCoarsening(const ElasticSystem& fine, const ElasticSystem& coa
   coarse_nodes_ = std::move(nodes.list);
 }
 
-/// Members of one coarse row: same part, coarse cell and family, in order of first appearance.
+/// Finds the members of each coarse row: same level, coarse cell and family, in order of first appearance.
 void RowCoarsening::find_members(const ElasticSystem& fine, const ElasticSystem& coarse,
                                  const std::vector<GroupRow>& rows) {
   const CoarseCells cells(fine, coarse);

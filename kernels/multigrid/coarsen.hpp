@@ -22,7 +22,7 @@ bool is_coarsest(const CutCells& cells);
 /// The next level of a body: coarse_cut_cells, or the same cells again (no boundary points, no solid).
 CutCells next_cut_cells(const CutCells& fine);
 
-/// From the parts of a system to those of the next coarser one: where a cell goes.
+/// Map from the cells of a system's levels to those of the next coarser one.
 class CoarseCells {
  public:
   CoarseCells(const ElasticSystem& fine, const ElasticSystem& coarse);
@@ -35,12 +35,12 @@ class CoarseCells {
 
  private:
   std::vector<const BodyMesh*> fine_, coarse_;
-  std::vector<int> own_;     ///< of each fine part: the coarse part with cells as large, -1: none
+  std::vector<int> own_;     ///< of each fine level: the coarse level with cells as large, -1: none
   std::vector<int> larger_;  ///< that with cells of twice the size, -1: none
 };
 
-/// Support points in their coarse cells, of all parts, with half the stiffness in a larger cell; at most 27 per cell
-/// and direction. Unchanged where the body is carried over.
+/// Returns support points in their coarse cells, of all levels, with half the stiffness in a larger cell; at most 27
+/// per cell and direction. Unchanged where the body is carried over.
 std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse,
                                                       bool firm_holds);
 

@@ -9,8 +9,8 @@
 /// thick, two levels alone converge as well as elsewhere, but a bending motion costs each of them more than the next
 /// finer one (shear locking, a factor of four), and in a V-cycle these losses multiply.
 ///
-/// Bodies that are refined locally change only in a part of their cells from grid to grid: a grid that mostly repeats
-/// the next finer one is passed by where its visits could cost more than the finest grid.
+/// Bodies that are refined locally change only some of their cells from grid to grid: a grid that mostly repeats the
+/// next finer one is passed by where its visits could cost more than the finest grid.
 #pragma once
 
 #include <memory>

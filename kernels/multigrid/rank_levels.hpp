@@ -12,7 +12,7 @@
 namespace cgcontact {
 
 /// Shares of the grids systems[0 .. last], finest first; transfers[l]: from grid l to the next. columns: of each.
-/// Called by all ranks.
+/// Collective.
 std::vector<std::unique_ptr<RankShare>> make_shares(const std::vector<const ElasticSystem*>& systems,
                                                     const std::vector<Transfer>& transfers,
                                                     const std::vector<NodeColumns<float>>& columns,

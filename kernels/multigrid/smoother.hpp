@@ -18,7 +18,7 @@ namespace cgcontact {
 struct SupportRows {
   std::vector<GroupRow> rows;
   std::vector<double> stiffness;
-  /// Parts that they have in the node blocks (node, block), where masters get of a constrained node its own block alone
+  /// Contributions to the node blocks (node, block), where masters get of a constrained node its own block alone
   /// (FastOperator::diagonal_blocks): the rows on the masters themselves would be more than is there.
   std::vector<std::pair<int, Mat3>> blocks;
 };

@@ -86,7 +86,7 @@ struct SupportMoments {
   }
 };
 
-/// The cells of a part that have support terms, and their boundary moments.
+/// Cells of a level that have support terms, and their boundary moments.
 class SupportedCells {
  public:
   SupportedCells(const std::vector<SupportTerm>& terms, std::size_t num_cells) : number_(num_cells, -1) {
@@ -115,7 +115,7 @@ class SupportedCells {
   std::vector<SupportMoments> moments_;
 };
 
-/// A cell of the band, with what decides about its place.
+/// Cell of the band, with what decides its position.
 struct BandCell {
   int body, cell, slab;
   int pair_mask;  ///< 64: full cell; 128 + axis: soft

@@ -197,7 +197,7 @@ void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, R
   add_group_forces(exec, y);
 }
 
-/// Those of this rank's part of the gaps.
+/// Finds the group forces by this rank's share of the gaps.
 template <class Real>
 void FastOperator<Real>::find_group_forces(const ExecSpace& exec, const Real* x, Real sign) const {
   const Groups r = groups_;

@@ -2,7 +2,7 @@
 ///   stencil_tiles.hpp  nodes whose cells are all active: the factorised 27-point stencil
 ///   band_cells.hpp     cut cells and full cells on flat faces, supports
 ///   ghost_chains.hpp     ghost penalty
-/// and the contact groups as sparse rows. apply.hpp is the plain twin.
+/// and the contact groups as sparse rows. apply.hpp is the plain reference.
 ///
 /// One thread of a 2-core Zen 4 (bench_operator), million unknowns per second, double / float:
 ///   cube of 46 cells, no cell cut    490 / 800        ball of 46 cells, 18 % cut    244 / 380
@@ -45,13 +45,13 @@ class FastOperator {
   void residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x, const VectorView& r) const;
 
   /// The same on several ranks in two halves: r without the forces of the contact groups, of whose forces every rank
-  /// has its part in group_forces(); once these are summed over all ranks, they are added to r.
+  /// has its share in group_forces(); once these are summed over all ranks, they are added to r.
   void begin_residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x,
                       const VectorView& r) const;
   const VectorView& group_forces() const { return groups_.scratch; }
   void finish_residual(const ExecSpace& exec, const VectorView& r) const { add_group_forces(exec, r.data()); }
 
-  /// The parts of y = A x: the first assigns (zero at nodes outside of the stencil), the others add.
+  /// Terms of y = A x: the first assigns (zero at nodes outside of the stencil), the others add.
   void apply_stencil(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
   void add_band(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y, bool cells, bool ghosts) const;
   void add_groups(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;

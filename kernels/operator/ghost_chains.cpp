@@ -33,7 +33,7 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     int faces, place;
   };
   std::vector<Start> starts;
-  std::vector<double> factor;  // of each part
+  std::vector<double> factor;  // of each level
   const std::vector<const BodyMesh*> parts = system.parts();
   for (std::size_t b = 0; b < parts.size(); ++b) {
     const BodyMesh& mesh = *parts[b];

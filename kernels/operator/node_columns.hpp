@@ -18,7 +18,7 @@ struct NodeColumns {
     int size;            ///< nodes
     int first;           ///< position of the first node in `nodes`, ascending along the axis
     std::size_t matrix;  ///< first entry in `matrices`
-    /// Place in `matrices` of an entry of the column's matrix.
+    /// Returns the index in `matrices` of an entry of the column's matrix.
     KOKKOS_INLINE_FUNCTION std::size_t entry(int row, int col) const { return matrix + row * dof_of(size) + col; }
   };
   Kokkos::View<Column*, MemSpace> columns;  ///< ascending in size

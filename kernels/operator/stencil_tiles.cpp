@@ -7,7 +7,7 @@
 namespace cgcontact {
 namespace {
 
-/// Pieces of about equal size, at most `largest` each.
+/// Divides a range into chunks of about equal size, at most `largest` each.
 std::vector<std::array<int, 2>> pieces(int begin, int end, int largest) {
   std::vector<std::array<int, 2>> result;
   const int n = (end - begin + largest - 1) / largest;
@@ -44,7 +44,7 @@ class TileMaker {
  private:
   using Pieces = std::vector<std::array<int, 2>>;
 
-  /// Piece that a place lies in, -1: none.
+  /// Returns the chunk that an index lies in, -1: none.
   static int piece_of(const Pieces& pieces, int place) {
     if (pieces.empty() || place < pieces.front()[0] || place >= pieces.back()[1]) return -1;
     const auto after = std::upper_bound(pieces.begin(), pieces.end(), place,
@@ -52,7 +52,7 @@ class TileMaker {
     return static_cast<int>(after - pieces.begin()) - 1;
   }
 
-  /// (z, y, x) of the pieces with nodes in them, ascending: most of a grid may be empty.
+  /// Returns (z, y, x) of the chunks with nodes in them, ascending: most of a grid may be empty.
   std::vector<Index3> tiles_with_nodes(const Pieces& x, const Pieces& y, const Pieces& z) const {
     std::vector<Index3> tiles;
     mesh_.node_numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {

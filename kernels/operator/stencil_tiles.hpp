@@ -2,7 +2,7 @@
 ///
 /// With the one-dimensional mass M = (1,4,1)/6, stiffness S = (-1,2,-1) and derivative D = (-1,0,1)/2,
 ///   K_xx = (lambda + 2 mu) Sx My Mz + mu (Mx Sy Mz + Mx My Sz),   K_xy = -(lambda + mu) Dx Dy Mz   (and cyclic).
-/// The y- and z-parts of all nine blocks are combinations of three corner sums, two edge sums and the middle of the
+/// The y- and z-factors of all nine blocks are combinations of three corner sums, two edge sums and the middle of the
 /// nine rows around a node: about 25 vector operations per unknown instead of 162 flop.
 ///
 /// Nodes are walked in tiles (at most 126 nodes of a row, 16 rows, some planes): each tile keeps three planes of its

@@ -44,7 +44,7 @@ bool ElasticSystem::needs_cell(const BodyMesh& part, int cell) const {
 
 namespace {
 
-/// Those of a body; the lists of a coarse body of several levels are those of its parts.
+/// Adds those of a body; the lists of a coarse body of several levels are those of its levels.
 void add_zero_dofs(const BodyMesh& mesh, std::vector<int>& zero_dofs) {
   if (!mesh.is_one_layer()) return;
   if (mesh.nodes.empty())

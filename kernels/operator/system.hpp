@@ -22,7 +22,7 @@ struct SupportTerm {
 /// One contact group: mean normal gap over a boundary piece of the coarser body's cell, as a sparse row on the DoFs.
 struct GroupRow {
   std::vector<std::pair<int, double>> entries;  ///< (DoF, coefficient), sorted by DoF
-  int part = 0, cell = 0;                       ///< cell of a part of the coarser body that the piece lies in
+  int part = 0, cell = 0;                       ///< cell of a level of the coarser body that the boundary piece lies in
   int family = 0;                               ///< rows of one family may be merged on coarser grids
 };
 
@@ -39,7 +39,7 @@ struct GroupRows {
 
 struct ElasticSystem {
   std::vector<BodyMesh> meshes;                    ///< of each body
-  std::vector<std::vector<SupportTerm>> supports;  ///< of each part, with its cells
+  std::vector<std::vector<SupportTerm>> supports;  ///< of each level, with its cells
   double ghost_penalty = 0;
   std::vector<Material> materials;
   Scales scales;
@@ -58,7 +58,7 @@ struct ElasticSystem {
   /// Returns the meshes that the kernels run on, one after the other: bodies of one level, and the levels of the
   /// others.
   std::vector<const BodyMesh*> parts() const;
-  /// Part that holds an active cell of a body, and the cell's number there.
+  /// Returns the level that holds an active cell of a body, and the cell's number there.
   std::pair<int, int> part_of(int body, int cell) const;
 
   int num_dofs() const { return dofs.num_dofs(); }

@@ -31,7 +31,7 @@ std::uint64_t spread(std::uint64_t x) {  // two zeros after every bit
 
 Index3 block_of(const Index3& cell) { return {cell[0] / block, cell[1] / block, cell[2] / block}; }
 
-/// Blocks of one part with the weight of their cells.
+/// Blocks of one level with the weight of their cells.
 struct Blocks {
   GridNumbers numbers;
   std::vector<Vec3> place;  ///< m, global axes
@@ -82,7 +82,7 @@ std::vector<Item> curve_through(const std::vector<Blocks>& blocks) {
   return curve;
 }
 
-/// Rank of each block of each part; share: of the whole weight, of each rank.
+/// Returns the rank of each block of each level; share: of the whole weight, of each rank.
 std::vector<std::vector<int>> divide(const std::vector<Item>& curve, const std::vector<Blocks>& blocks,
                                      const std::vector<double>& share) {
   std::vector<std::vector<int>> ranks;

@@ -11,7 +11,7 @@
 namespace cgcontact {
 
 struct Owners {
-  std::vector<std::vector<int>> of_cell;  ///< rank, of each cell of each part
+  std::vector<std::vector<int>> of_cell;  ///< rank, of each cell of each level
   std::vector<int> of_node;  ///< of each node: that of the first of its cells; of constrained nodes 0 or more
 };
 

@@ -139,7 +139,7 @@ class CellChoice {
   const std::vector<char>& needed_;
 
  public:
-  std::vector<std::vector<char>> keep;  ///< of each part and cell
+  std::vector<std::vector<char>> keep;  ///< of each level and cell
   std::vector<char> used;               ///< of each node
 };
 
@@ -179,7 +179,7 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
         number_body_mesh(cells_[b], whole.materials[b], whole.scales, system_.num_nodes, !mesh.nodes.empty()));
     system_.num_nodes += system_.meshes.back().num_nodes;
   }
-  // Both numberings go by body, level and place: numbers of the whole system ascend.
+  // Both numberings go by body, level and position: numbers of the whole system ascend.
   local_of_whole_.assign(whole.num_nodes, -1);
   whole_nodes_.reserve(system_.num_nodes);
   const std::vector<const BodyMesh*> parts = system_.parts(), whole_parts = whole.parts();

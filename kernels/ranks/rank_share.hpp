@@ -1,7 +1,7 @@
-/// The part of a system that one rank works on: the cells around its own nodes and those of their ghost faces, as a
-/// system of its own with its own numbers. Forces on the rank's own nodes are complete there: what crosses to other
-/// ranks is displacements (Halo), and a cell on the border between two ranks is computed by both. The rows of contact
-/// groups keep only entries at the rank's own nodes; their gaps are summed over the ranks.
+/// Share of a system that one rank works on: the cells around its own nodes and those of their ghost faces, as a system
+/// of its own with its own numbers. Forces on the rank's own nodes are complete there: what crosses to other ranks is
+/// displacements (Halo), and a cell on the border between two ranks is computed by both. The rows of contact groups
+/// keep only entries at the rank's own nodes; their gaps are summed over the ranks.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace cgcontact {
 
 class RankShare {
  public:
-  /// more: marks nodes of the whole system that are to be local besides. Called by all ranks.
+  /// more: marks nodes of the whole system that are to be local besides. Collective.
   RankShare(const ElasticSystem& whole, Owners owners, const std::vector<char>& more, const Halo::Comm& comm);
 
   const ElasticSystem& system() const { return system_; }
@@ -33,7 +33,7 @@ class RankShare {
 
   /// Copies the entries of all local nodes out of a vector of the whole system.
   void to_local(const RealView& whole, const RealView& local) const;
-  /// Own values of all ranks, in the numbers of the whole system; constrained nodes stay. Called by all ranks.
+  /// Own values of all ranks, in the numbers of the whole system; constrained nodes stay. Collective.
   void to_whole(const RealView& local, const RealView& whole) const;
   void to_local(const Kokkos::View<float*, MemSpace>& whole, const Kokkos::View<float*, MemSpace>& local) const;
   void to_whole(const Kokkos::View<float*, MemSpace>& local, const Kokkos::View<float*, MemSpace>& whole) const;
@@ -55,7 +55,7 @@ class RankShare {
 };
 
 /// Forgets cells, their moments and nodes, and the supports: once operators have been made, nothing is needed but the
-/// places of nodes.
+/// positions of nodes.
 void drop_cells(std::vector<CutCells>& bodies, ElasticSystem& system);
 
 /// Nodes of the whole system on which a rank computes forces: its own, and constrained ones with a master of its own.

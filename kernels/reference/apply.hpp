@@ -1,6 +1,6 @@
-/// The three parts of the matrix-free operator, as plain kernels: cells, ghost faces, contact groups.
-/// x and y are vectors of DofMap::num_dofs entries; every kernel adds to y. Colours keep the writes apart, so
-/// the result does not depend on the number of threads.
+/// Kernels of the reference operator, matrix-free and plain: cells, ghost faces, contact groups. x and y are vectors of
+/// DofMap::num_dofs entries; every kernel adds to y. Colours keep the writes apart, so the result does not depend on
+/// the number of threads.
 #pragma once
 
 #include "kernels/operator/element_matrices.hpp"

@@ -1,4 +1,4 @@
-/// The assembled matrix made entry by entry on one thread: the plain twin of kernels/assembled/assembly.hpp.
+/// The assembled matrix made entry by entry on one thread: the plain reference of kernels/assembled/assembly.hpp.
 #pragma once
 
 #include <vector>

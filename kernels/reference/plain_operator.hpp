@@ -1,6 +1,6 @@
-/// The reference twin of the fast operator: element matrices and plain kernels, for elements of degree 1 or 2. Degree 1
-/// works on the system's own nodes; degree 2 has nodes of its own (nodes(part)), and no contact groups yet, whose rows
-/// are those of trilinear nodes.
+/// Reference of the fast operator: element matrices and plain kernels, for elements of degree 1 or 2. Degree 1 works on
+/// the system's own nodes; degree 2 has nodes of its own (nodes(part)), and no contact groups yet, whose rows are those
+/// of trilinear nodes.
 #pragma once
 
 #include <stdexcept>

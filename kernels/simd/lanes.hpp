@@ -121,8 +121,8 @@ struct Pieces {
   typedef Real Two __attribute__((vector_size(2 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
 };
 
-/// to += or -= the six entries at v; in pieces of four and two, because loads wait for earlier masked stores nearby
-/// (a quarter of the time of the cut cells).
+/// Adds or subtracts the six entries at v; in chunks of four and two, because loads wait for earlier masked stores
+/// nearby (a quarter of the time of the cut cells).
 template <bool subtract, class Real>
 inline void add_six(Real* to, const Real* v) {
   using Four = typename Pieces<Real>::Four;

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// Tells whether the method allows a preconditioner that is not the same linear map every time, as a K-cycle.
+/// Returns whether the method allows a preconditioner that is not the same linear map every time, as a K-cycle.
 bool is_flexible(LinearMethod method);
 
 /// x, from zero, until |b - A x| <= tolerance |b| as the method measures it: by its recursive residual, MINRES by the

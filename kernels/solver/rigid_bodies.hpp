@@ -1,6 +1,6 @@
 /// Bodies that move as a whole: of their nodes' values only rigid motions count. With Q an orthonormal basis of the
 /// rigid motions of a body's free nodes, and P = Q Q^T on its nodes, the identity on all others, the system is P A P:
-/// six unknowns for the body, whose own stiffness has no part in it (K Q = 0).
+/// six unknowns for the body, whose own stiffness does not enter (K Q = 0).
 #pragma once
 
 #include <Eigen/Core>

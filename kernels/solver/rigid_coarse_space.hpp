@@ -6,7 +6,7 @@
 ///
 /// With R the motions and M the preconditioner, z = M r + R E^-1 R^T (r - A M r), E = R^T A R ("A-DEF2" of J. M. Tang,
 /// R. Nabben, C. Vuik, Y. A. Erlangga, J. Sci. Comput. 39, 2009), from a start with R^T r = 0. A R is not stored:
-/// bodies do not deform in R, so only the rows of supports and contact groups have a part in it.
+/// bodies do not deform in R, so only the rows of supports and contact groups enter.
 #pragma once
 
 #include <Eigen/Dense>
@@ -28,7 +28,7 @@ class RigidCoarseSpace {
   void update();
   bool empty() const { return num_motions_ == 0; }
 
-  /// z += R E^-1 R^T (r - A z). r, z: num_dofs entries. With a share called by all ranks.
+  /// z += R E^-1 R^T (r - A z). r, z: num_dofs entries. Collective with a share.
   void correct(const Forces& r, const RealView& z) const;
 
  private:
