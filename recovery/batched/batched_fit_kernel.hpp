@@ -58,7 +58,7 @@ class FitKernel {
 
  private:
   static constexpr int T = P::num_terms, num_packed = P::num_packed, row_tile = 3;
-  /// A pivot of a mass matrix must exceed this part of its diagonal entry: ten digits lost.
+  /// Fraction of its diagonal entry that a pivot of a mass matrix must exceed: ten digits lost.
   static constexpr double min_pivot = 1e-10;
 
   KOKKOS_INLINE_FUNCTION FitKernel(Input* const patch[lanes], Real* scratch) {
@@ -162,7 +162,7 @@ class FitKernel {
   KOKKOS_FORCEINLINE_FUNCTION Real* place(int r, int b) const { return place_ + (r * bodies + b) * 3; }
   KOKKOS_FORCEINLINE_FUNCTION Real* y(int r, int b) const { return y_ + (r * bodies + b) * T; }
 
-  /// Normalised weights, places, whitened terms; rows that a lane has not, or that say nothing, get weight zero.
+  /// Reads normalised weights, points, whitened terms; rows that a lane has not, or that say nothing, get weight zero.
   KOKKOS_INLINE_FUNCTION void read_rows() {
     const Real zero = Real{}, one = Real{} + 1;
     constexpr int size = sizeof(Row) / sizeof(double);

@@ -235,7 +235,7 @@ KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int 
   return block;
 }
 
-/// The largest eigenvalue of a tridiagonal matrix to 1e-10 of it, not less than it, by bisection into five parts.
+/// Bounds the largest eigenvalue of a tridiagonal matrix from above, to 1e-10 of it, by bisection into five intervals.
 /// upper: a bound.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real largest_eigenvalue(const Real* d, const Real* e, int n, Real upper) {

@@ -181,7 +181,7 @@ void BoundaryPieces::join_small(std::vector<Piece>& wholes) {
   std::stable_sort(wholes.begin(), wholes.end(), [](const Piece& a, const Piece& b) { return a.area > b.area; });
   struct Joined {
     Piece piece;
-    Vec3 direction;  ///< of its largest part
+    Vec3 direction;  ///< of its largest piece
   };
   std::vector<Joined> joined;
   std::vector<Piece> kept;

@@ -18,8 +18,8 @@ constexpr double met = 1e-12;
 /// The same of the firm rows when they are enforced alone.
 constexpr double held = 1e-8;
 
-/// Part of the rank tolerance that counts in patches coupled by bonded faces: three rows per point instead of the five
-/// of contact, and the truncation takes more of what matters (docs/recovery.md, "Truncation").
+/// Fraction of the rank tolerance that counts in patches coupled by bonded faces: three rows per point instead of the
+/// five of contact, and the truncation takes more of what matters (docs/recovery.md, "Truncation").
 constexpr double bonded_tolerance = 0.5;
 
 /// A view of new memory that every kernel writes before it is read.

@@ -8,7 +8,7 @@
 namespace cgcontact {
 namespace {
 
-/// Parts of the depth at which the cells below a point are asked for.
+/// Fractions of the depth at which the cells below a point are asked for.
 constexpr double depths[] = {0.05, 0.35, 0.65, 0.95};
 
 /// The lists of some cells.

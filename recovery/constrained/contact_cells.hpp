@@ -21,7 +21,7 @@ struct ContactPiece {
   double area = 0, closed_area = 0;       ///< m^2; of points that are pressed
   double unknown_area = 0;                ///< m^2, of the closed area: where no problem on the face knows the pressure
   double cell_size = 0, larger_cell = 0;  ///< m: of the cell, and the largest that meets it
-  /// Sums over the points by their area: places (grid coordinates of each body), outward normals.
+  /// Sums over the points by their area: positions (grid coordinates of each body), outward normals.
   Vec3 position = Vec3::Zero(), other_position = Vec3::Zero(), normal = Vec3::Zero();
   Vec3 low, high;                       ///< box around the points
   int first_point = 0, num_points = 0;  ///< in the list of all points
@@ -36,7 +36,7 @@ class ContactCells {
   ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals, int index,
                double depth, const KnownPressures* known);
 
-  /// use(piece) for all pieces of a pair in these cells, or of all pairs (-1).
+  /// Calls use(piece) for all pieces of a pair in these cells, or of all pairs (-1).
   template <class Use>
   void each(const ListPart<int>& cells, int pair, const Use& use) const {
     for (const int cell : cells) {

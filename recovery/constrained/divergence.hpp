@@ -8,7 +8,8 @@
 
 namespace cgcontact {
 
-/// At a place of a body, per `unit` of length (both in its grid coordinates); in units of Scales::stress, grid axes.
+/// Returns div sigma at a point of a body, per `unit` of length (both in its grid coordinates); in units of
+/// Scales::stress, grid axes.
 inline Vec3 divergence_at(const BoundaryData& boundary, const Grid& grid, double stress_scale, const Vec3& place,
                           double unit) {
   if (!boundary.body_force_at) return Vec3::Zero();

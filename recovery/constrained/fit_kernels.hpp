@@ -8,14 +8,14 @@
 
 namespace cgcontact {
 
-/// Least part of its diagonal entry that a pivot of the mass matrix of a linear polynomial must keep.
+/// Least fraction of its diagonal entry that a pivot of the mass matrix of a linear polynomial must keep.
 constexpr double min_linear_pivot = 1e-14;
 
-/// A patch carries quadratic polynomials if every term keeps this part of its square when the terms before it are taken
+/// Least fraction of its square that every term of a quadratic polynomial must keep when the terms before it are taken
 /// out: a plate 0.4 cells thick beside the node has 1e-3.
 constexpr double min_quadratic_pivot = 1e-3;
 
-/// Part of the square of a stress that rounding may leave of a good fit.
+/// Fraction of the square of a stress that rounding may leave of a good fit.
 constexpr double min_misfit = 1e-8;
 
 /// Centres, units and cells of the polynomials of some patches, by patch.

@@ -91,13 +91,13 @@ double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant
   return std::min(along, own) > same_face ? own / along : 1.0;
 }
 
-/// The pieces of the face of one pair by cell: products of the shape functions of the cell's nodes. Those of
-/// constrained corners count to their masters.
+/// Face of one pair by cell: products of the shape functions of the cell's nodes. Those of constrained corners count to
+/// their masters.
 class PairFace {
  public:
   explicit PairFace(const BodyMesh& mesh) : mesh_(mesh), area_unit_(std::pow(mesh.cut_cells->grid.cell_size, 2)) {}
 
-  /// Numbers of nodes and their shape functions at a place.
+  /// Numbers of nodes and their shape functions at a point.
   struct Shapes {
     std::vector<int> number;
     std::vector<double> N;
@@ -161,7 +161,7 @@ class PairFace {
   }
 
   /// Contact points end where the other body does, boundary points within whole cells: a few of these may stand for a
-  /// larger piece, and are not made to carry its force alone.
+  /// larger area, and do not carry its force alone.
   double pressure_of(double force, int n) const {
     const double whole = std::max(area[n], covered[n]);
     return whole > 0 ? force / whole : 0.0;

@@ -25,7 +25,7 @@ struct PatchContext {
     const PatchSet& patches = *body.patches;
     return {patches.cells.data() + patches.begin[node], patches.cells.data() + patches.begin[node + 1]};
   }
-  /// Returns what div sigma must be at a place of a body, per `unit` of length (both in its grid coordinates).
+  /// Returns the required div sigma at a point of a body, per `unit` of length (both in its grid coordinates).
   Vec3 divergence(int of_body, const Vec3& place, double unit) const {
     const RecoveryBody& there = bodies[of_body];
     return divergence_at(*there.boundary, there.mesh->cut_cells->grid, scales.stress, place, unit);

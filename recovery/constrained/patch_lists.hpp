@@ -34,8 +34,8 @@ struct PatchLists {
   std::vector<double> unit, auxiliary_unit;    ///< of their coordinates, grid coordinates: the patch's largest cells
   FlatLists<int> cells, auxiliary_cells;       ///< ascending; no auxiliary ones: not asked for, or too few
   FlatLists<PairState> pairs;                  ///< ascending
-  std::vector<int> coupled;                    ///< place among these of that with the auxiliary patch, or -1
-  std::vector<int> edge;                       ///< place among the edges, or -1
+  std::vector<int> coupled;                    ///< index among these of that with the auxiliary patch, or -1
+  std::vector<int> edge;                       ///< index among the edges, or -1
   std::vector<EdgeTerms::Term> edges;
   std::vector<PatchKind> kind;
   std::vector<PatchStatus> status;

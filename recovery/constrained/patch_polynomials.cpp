@@ -113,7 +113,7 @@ bool is_known(const RecoveryBody& body, int node, const KnownPressures& known) {
   return false;
 }
 
-/// Tells whether a patch holds points of a contact face, closed or open.
+/// Returns whether a patch holds points of a contact face, closed or open.
 bool touches_contact(const RecoveryBody& body, int n) {
   const PatchSet& patches = *body.patches;
   for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
@@ -121,8 +121,8 @@ bool touches_contact(const RecoveryBody& body, int n) {
   return false;
 }
 
-/// Pairs that slip somewhere, by number: between parts that stick, slip and are open the shear has corners that no
-/// quadratic follows (docs/recovery.md).
+/// Returns pairs that slip somewhere, by number: between regions that stick, slip and are open the shear has corners
+/// that no quadratic follows (docs/recovery.md).
 std::vector<char> slipping_pairs(const BoundaryData& boundary) {
   std::vector<char> slips(boundary.friction.size(), 0);
   for (const ContactLink& link : boundary.links)

@@ -13,7 +13,7 @@ constexpr double same_side = 0.5;
 /// Cells: centres of patches nearer to an axis of revolution lie on it.
 constexpr double on_axis = 1e-6;
 
-/// Contact points are equally far from a place if they are so up to this (squared, cells of the patch): of those the
+/// Contact points are equally far from a point if they are so up to this (squared, cells of the patch): of those the
 /// one with the smallest gap counts, whatever the rounding and their order.
 constexpr double same_distance = 1e-9;
 
@@ -43,7 +43,7 @@ bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
   return edge.orientation * edge.surface.gradient(edge.origin).dot(group.normal[0]) >= same_side;
 }
 
-/// The component along e of the traction on the normal n at a place of one of the bodies of a row (unit of its
+/// Sets the component along e of the traction on the normal n at a point of one of the bodies of a row (unit of its
 /// polynomial, from the centre).
 template <int bodies>
 void set_traction(FitRow<bodies>& row, int body, const Vec3& place, const Vec3& n, const Vec3& e, double sign = 1) {
@@ -105,7 +105,7 @@ class RowWriter {
     const Vec3 y = other_grid_->to_grid(grid_.to_global(x) + distance * (grid_.rotation * n));
     return in_half_plane(*other_grid_, (y - lists_.auxiliary_centre[patch_]) / lists_.auxiliary_unit[patch_]);
   }
-  /// Puts a place of a body of revolution at 0 across, where all its cells and points lie.
+  /// Puts a point of a body of revolution at 0 across, where all its cells and points lie.
   static Vec3 in_half_plane(const Grid& grid, Vec3 place) {
     if (grid.is_axisymmetric()) place[grid.plane_strain] = 0;
     return place;
@@ -343,7 +343,7 @@ void RowWriter<bodies>::add_bond(const ConstraintGroup& group) {
     }
 }
 
-/// Tells whether any point of the group's pair is closed on the same side of the body.
+/// Returns whether any point of the group's pair is closed on the same side of the body.
 template <int bodies>
 bool RowWriter<bodies>::has_closed_points(const ConstraintGroup& group) const {
   bool found = false;
@@ -380,7 +380,7 @@ void RowWriter<bodies>::add_group(const ConstraintGroup& group, const std::vecto
     if (with_other) add_bond(group);
     return subtract_term(first);
   }
-  // Free beside a bonded part of the same surface: the traction jumps, which no polynomial follows.
+  // Free beside a bonded region of the same surface: the traction jumps, which no polynomial follows.
   const bool is_loaded = condition.traction || condition.is_support();
   const double bonded = bonded_on(group.surface, groups);
   if (group.pair < 0 && !is_loaded && is_most(bonded, bonded + group.area)) return;
@@ -414,8 +414,8 @@ void RowWriter<bodies>::add_group(const ConstraintGroup& group, const std::vecto
     // On the face of the edge the term has no shear and nothing outside of the zone.
     if (with_other || !on_term) subtract_term(first);
   } else if (is_open && !is_loaded) {
-    // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small part of the
-    // patch): the closed part decides, as among contact points.
+    // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small fraction of the
+    // patch): the closed region decides, as among contact points.
     add_contact(group, false, mode);
     subtract_term(first);
   } else if (!is_open && (group.pair >= 0 || is_most(closed, closed + group.area))) {

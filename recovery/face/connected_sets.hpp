@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// For each point the first one of its connected set. place(i): m; joined(i, k): of neighbours, none of which are
-/// farther apart than `reach`, m.
+/// Returns for each point the first one of its connected set. place(i): m; joined(i, k): of neighbours, none of which
+/// are farther apart than `reach`, m.
 template <class PlaceOf, class Joined>
 std::vector<int> connected_sets(std::size_t count, double reach, const PlaceOf& place, const Joined& joined) {
   PointBuckets near(reach);

@@ -58,7 +58,7 @@ KOKKOS_FORCEINLINE_FUNCTION void load(const Row& row, int width, Value& value) {
   for (int s = 0; s < width; ++s) entry(value, s) = row[s];
 }
 
-/// Gives where the transform of cosines keeps place i: even places first, odd ones from the end.
+/// Returns the index at which the transform of cosines keeps value i: even ones first, odd ones from the end.
 KOKKOS_FORCEINLINE_FUNCTION int sorted_place(int i, int count) { return i % 2 == 0 ? i / 2 : count - 1 - i / 2; }
 
 }  // namespace
@@ -153,8 +153,8 @@ KOKKOS_FUNCTION Fourier::Value* Fourier::transform(Value* x, Value* y) const {
 CosineTransform::CosineTransform(int size, int first, int count)
     : size_(size), first_(first), fourier_(count), quarter_(Fourier::roots_of(4 * count)) {}
 
-/// Takes the cosines' sums of x_i as Re(exp(-pi I k / (2 count)) V_k), V the transform of x with its places sorted
-/// (Makhoul, IEEE Trans. ASSP 28 (1980) 27).
+/// Takes the cosines' sums of x_i as Re(exp(-pi I k / (2 count)) V_k), V the transform of x in sorted order (Makhoul,
+/// IEEE Trans. ASSP 28 (1980) 27).
 template <class Exec>
 void CosineTransform::forward(const Exec& exec, const Matrix& values, const Matrix& factor,
                               const Matrix& spectrum) const {
@@ -187,7 +187,7 @@ void CosineTransform::forward(const Exec& exec, const Matrix& values, const Matr
       });
 }
 
-/// Takes the steps of `forward` back to front: the sorted places are Re of the transform of exp(pi I k / (2 count))
+/// Takes the steps of `forward` back to front: the sorted values are Re of the transform of exp(pi I k / (2 count))
 /// Y_k, made real by its other half.
 template <class Exec>
 void CosineTransform::backward(const Exec& exec, const Matrix& spectrum, const Matrix& values) const {

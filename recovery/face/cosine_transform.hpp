@@ -41,7 +41,7 @@ class Fourier {
   Roots roots_;
 };
 
-/// Sums of cosines cos(pi k (i + 1/2) / count), k = 0 ... count - 1, at the places i = first ... first + size - 1.
+/// Transform by sums of cosines cos(pi k (i + 1/2) / count), k = 0 ... count - 1, at i = first ... first + size - 1.
 class CosineTransform {
  public:
   /// (rows, columns)

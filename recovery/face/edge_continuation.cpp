@@ -51,12 +51,12 @@ class EdgeContinuation {
   }
 
  private:
-  /// Part of the largest square that stands negative where the zone is not.
+  /// Fraction of the largest square that stands negative where the zone is not.
   static constexpr double beyond_edge = 1e-3;
   static constexpr double skip = 2;  ///< patches at the edge that are replaced
   static constexpr int window = 6;   ///< patches around
 
-  /// Calls use(patch, place) for the patches around in the window; place: in patches, relative.
+  /// Calls use(patch, place) for the patches around in the window; place: relative position in patches.
   template <class Use>
   void each_around(int patch, const Use& use) const {
     const int reach = grid_.plane_strain ? 0 : window;

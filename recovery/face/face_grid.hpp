@@ -22,8 +22,8 @@ enum class FaceEnd {
   period   ///< symmetry planes at 0 and at the grid's other end
 };
 
-/// The line that a face around an axis of revolution is made of: distance from the axis and place along it, m, at
-/// places along axis 1 of the face, equally far from each other.
+/// Line that a face around an axis of revolution is made of: distance from the axis and position along it, m, at points
+/// along axis 1 of the face, equally far from each other.
 struct Meridian {
   double first = 0, spacing = 1;
   std::vector<Eigen::Vector2d> points;
@@ -73,7 +73,8 @@ struct FaceGrid {
     backward[axis] = -steps;
     return {beyond(patch, backward), beyond(patch, forward)};
   }
-  /// Row and column of the patch at a place, in its image behind a symmetry plane too; beyond free ends they are none.
+  /// Returns row and column of the patch at a point, in its image behind a symmetry plane too; beyond free ends they
+  /// are none.
   std::array<int, 2> index_of(const FacePlace& place) const {
     const FacePlace x = folded(place);
     std::array<int, 2> index{0, 0};
@@ -81,7 +82,7 @@ struct FaceGrid {
       index[a] = static_cast<int>(std::floor((x[a] - low[a]) / spacing[a]));
     return index;
   }
-  /// A place behind a symmetry plane is its image.
+  /// Maps a point behind a symmetry plane to its image.
   FacePlace folded(FacePlace x) const {
     for (int a = 0; a < 2; ++a) {
       if (end[a] == FaceEnd::free) continue;

@@ -36,7 +36,7 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
   return sum;
 }
 
-/// Part of a group's area that its patches may miss; those at the border of what is looked at miss more.
+/// Fraction of a group's area that its patches may miss; those at the border of what is looked at miss more.
 constexpr double cover = 0.1;
 /// By which the details of the far field may be shorter as well, for the estimate (docs/recovery.md, "Error figures").
 constexpr double other_details = 1.15;
@@ -101,13 +101,13 @@ std::vector<FarMean> far_means(const FaceZone& zone, const std::vector<double>& 
     const double away = group.away / (options.fall * zone.h);
     means[g].value += group.gap_change - options.cell_stiffness * bent[g];
     means[g].error = std::hypot(bent[g], zone.h * group.force / std::max(group.area, 1e-300) / zone.modulus);
-    // The mean over a part of a group is another one.
+    // The mean over an incomplete group is another one.
     const bool whole = std::abs(sizes[g] * grid.area() - group.area) < cover * group.area;
     means[g].weight = whole || group.force > 0 ? group.area / cell * std::exp(-0.5 * away * away) : 0;
     squares += means[g].weight * means[g].error * means[g].error;
     weights += means[g].weight;
   }
-  // Errors at one group spread, in part, to those around it.
+  // Errors at one group spread, to some extent, to those around it.
   for (FarMean& mean : means)
     mean.error = options.gap_error * std::hypot(mean.error, std::sqrt(squares / std::max(weights, 1e-300)));
   return means;
@@ -180,9 +180,9 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
   return error;
 }
 
-/// Part of the pressure that means over cells may hide around an axis of revolution: a narrow zone has two or three of
-/// them, and no variant of the far field tells that they are means. Within a cell a profile as wide as the zone is off
-/// by (h / half width)^2 / 24.
+/// Returns the fraction of the pressure that means over cells may hide around an axis of revolution: a narrow zone has
+/// two or three of them, and no variant of the far field tells that they are means. Within a cell a profile as wide as
+/// the zone is off by (h / half width)^2 / 24.
 double part_within_means(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   if (!grid.meridian) return 0;

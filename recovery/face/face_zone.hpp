@@ -17,7 +17,7 @@ struct FaceGroup {
   double away = 0;        ///< m, from the nearest closed group; 0: it is closed
 };
 
-/// Part of a patch that belongs to a group; all parts of a patch are 1 together.
+/// Fraction of a patch that belongs to a group; those of a patch add up to 1.
 struct FaceShare {
   int patch, group;
   double part;
@@ -27,7 +27,7 @@ struct FaceZone {
   FaceGrid grid;
   double h = 1;                   ///< m, the larger cells of both bodies at the zone
   double modulus = 1;             ///< E* of both, Pa
-  std::vector<char> inside;       ///< patches that are part of both faces
+  std::vector<char> inside;       ///< patches on both faces
   std::vector<FaceShare> shares;  ///< of those patches, which groups they belong to
   std::vector<char> may_press;    ///< patches beside closed groups
   std::vector<double> distance;   ///< m, of the undeformed faces at each patch

@@ -102,7 +102,7 @@ class FaceSplines {
     return (axes_ == 1 ? 0 : knots_[0].interval(x[0])) * knots_[1].count() + knots_[1].interval(x[1]);
   }
 
-  /// Adds the integral of |D^3 r|^2 over a part of each interval to `entries`, in units of h.
+  /// Adds the integral of |D^3 r|^2 over a fraction of each interval to `entries`, in units of h.
   void add_bending(double h, const std::vector<double>& part, std::vector<Eigen::Triplet<double>>& entries) const {
     std::array<Eigen::Matrix4d, order + 1> along, across;
     for (int d = 0; d <= order; ++d) {

@@ -19,9 +19,9 @@ struct FarMean {
 
 /// The cubic spline r on knots `h` apart that minimises, for details of a length (in h) that is chosen last,
 ///   E^2 sum weight ((mean of r - value) / error)^2 + length^6 integral |D^3 r|^2,
-/// E a mean of the errors (sum weight E^2 / error^2 = sum weight), the integral in h, over the part of the face marked
-/// in `inside`. Even at symmetry planes. Where no plane is, the knots lie in the middle of the face, so that its mirror
-/// image has the mirrored field.
+/// E a mean of the errors (sum weight E^2 / error^2 = sum weight), the integral in h, over the region of the face
+/// marked in `inside`. Even at symmetry planes. Where no plane is, the knots lie in the middle of the face, so that its
+/// mirror image has the mirrored field.
 class FarField {
  public:
   FarField(const FaceGrid& grid, double h, const std::vector<char>& inside, const std::vector<FarMean>& means);

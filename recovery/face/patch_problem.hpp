@@ -17,7 +17,7 @@ struct PatchProblem {
   std::vector<double> gap;      ///< m, at the patches, without their pressure; up to a constant
 };
 
-/// The part of a problem around the patches that may press; `first` and `size` say which, along both axes.
+/// Window of a problem around the patches that may press; `first` and `size` say which, along both axes.
 struct PatchBox {
   std::array<int, 2> first{0, 0}, size{0, 0};
 };

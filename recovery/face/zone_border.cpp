@@ -14,14 +14,14 @@ Quadratic terms(const FacePlace& x) {
   return row;
 }
 
-/// Weight of a patch at that part of the reach.
+/// Returns the weight of a patch at that fraction of the reach.
 double fading(double part) {
   const double w = std::max(1 - part * part, 0.0);
   return w * w;
 }
 
-/// The quadratic function nearest to the squares of the patches inside around a patch, places in units of `reach` from
-/// its centre; false if they do not determine one.
+/// Fits the quadratic function nearest to the squares of the patches inside around a patch, positions in units of
+/// `reach` from its centre; false if they do not determine one.
 bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vector<char>& inside, int patch,
          double reach, Quadratic& result) {
   const int rows = grid.plane_strain ? 0 : static_cast<int>(reach / grid.spacing[0]),
@@ -48,7 +48,7 @@ bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vec
   return result.allFinite();
 }
 
-/// From a place near the border onto it; false if the function has no zero near.
+/// Moves a point near the border onto it; false if the function has no zero near.
 bool move_to_border(const Quadratic& c, FacePlace& x, double farthest) {
   const FacePlace start = x;
   for (int round = 0; round < 8; ++round) {

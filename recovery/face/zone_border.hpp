@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// The border at one place; lengths along the face, m.
+/// Point of the border; lengths along the face, m.
 struct BorderPoint {
   FacePlace place = FacePlace::Zero(), inward = FacePlace::UnitY();  ///< on the border; unit direction into the zone
   double curvature = 0;      ///< of the border, 1/m; negative around a convex zone

@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// Traction known on a part of the boundary. Directions that a support holds are unknown (no row there).
+/// Traction known on a region of the boundary. Directions that a support holds are unknown (no row there).
 struct TractionCondition {
   bool normal_held = false;                                 ///< symmetry plane or frictionless normal support
   std::array<bool, 3> component_held{false, false, false};  ///< prescribed displacement components, global axes

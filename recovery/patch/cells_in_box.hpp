@@ -1,4 +1,4 @@
-/// Active cells of any size by place.
+/// Active cells of any size by position.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 /// Stress at the edge of a contact zone. Where a frictionless contact opens the pressure ends like the square root of
 /// the distance, which no polynomial follows: the first term of Williams's expansion (half of a mode I crack: no shear
 /// on the ligament, no traction on the open side) stands beside the polynomials, with the same factor in both bodies.
-/// The paper leaves the edge open; splitting sigma* into a singular and a smooth part follows what Rodenas et al. do at
+/// The paper leaves the edge open; splitting sigma* into a singular and a smooth term follows what Rodenas et al. do at
 /// crack tips. Evidence: docs/recovery.md.
 #pragma once
 
@@ -18,7 +18,7 @@ inline double edge_root(double inside, double inverse_width) {
   return std::sqrt(std::max(inside * (1 - inside * inverse_width), 0.0));
 }
 
-/// A piece of the edge, a parabola, seen from one body; grid coordinates of that body.
+/// Segment of the edge, a parabola, seen from one body; grid coordinates of that body.
 struct ContactEdge {
   Vec3 origin = Vec3::Zero();   ///< on the edge
   Vec3 closed = Vec3::UnitX();  ///< unit tangent of the surface, across the edge into the contact zone

@@ -79,7 +79,7 @@ class PlaneTerm {
     }
   }
 
-  /// Integrals of the components, in place, to those in the axes of the grid.
+  /// Turns integrals of the components, in place, to the axes of the grid.
   template <int T>
   void rotate(double sum[6][T]) const {
     for (int t = 0; t < T; ++t) {

@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// A part of an array.
+/// Range of an array.
 template <class T>
 struct ListPart {
   const T *first, *last;

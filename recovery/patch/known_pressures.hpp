@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// The edge of a contact zone near some place; global axes.
+/// Segment of the edge of a contact zone; global axes.
 struct EdgePiece {
   Vec3 origin = Vec3::Zero(), closed = Vec3::UnitX(),
        along = Vec3::UnitY();  ///< m; across the edge into the zone, along it

@@ -23,7 +23,7 @@ struct PatchArrays {
   template <class T>
   using Array = Kokkos::View<T, Kokkos::LayoutRight, Memory>;
   Array<const int* [8]> cell_nodes;   ///< node numbers of all bodies
-  Array<const int*[3]> cells, nodes;  ///< places in the grid
+  Array<const int*[3]> cells, nodes;  ///< positions in the grid
   Array<const int*> cut_of_cell;
   Array<const double* [17]> moments;  ///< PatchSet::moments
   Array<const int*> begin, patch_cells;
@@ -47,7 +47,7 @@ struct PatchArrays {
     return finer >= 0 ? 1.0 / (1 << finer) : 1 << -finer;
   }
 
-  /// From a place (of a node's patch) to the centre of a cell, in cells of the size `size`.
+  /// Returns the distance from a node's patch to the centre of a cell, in cells of the size `size`.
   KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int cell, double size, const double centre[3]) const {
     return axis == flat ? 0 : size * (cells(cell, axis) + 0.5) - centre[axis];
   }
@@ -121,7 +121,7 @@ KOKKOS_INLINE_FUNCTION void gather_mass(const PatchArrays<Memory>& body, const i
   for (int i = 0; i < 3; ++i) m[1 + i][0] = m[0][1 + i];
 }
 
-/// In-place Cholesky factor (lower) of a 4 x 4 mass matrix; false if it is not positive definite.
+/// Factorises a 4 x 4 mass matrix in place (Cholesky, lower); false if it is not positive definite.
 KOKKOS_INLINE_FUNCTION bool cholesky(double m[num_terms][num_terms]) {
   for (int j = 0; j < num_terms; ++j) {
     double diagonal = m[j][j];

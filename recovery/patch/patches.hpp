@@ -23,8 +23,8 @@ constexpr int num_terms = 4;
 using CoefficientView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight, Kokkos::HostSpace>;
 /// Integrals of {1, x, y, z} sigma_h over each active cell, x about the cell's centre, cell units: (cell, 6, 4).
 using CellStressView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight, Kokkos::HostSpace>;
-/// Integrals over the body's part of a cell, about the cell's centre, cell units:
-/// 1, x, y, z, xx, yy, zz, xy, yz, zx, xyz, xxy, xxz, xyy, yyz, xzz, yzz.
+/// Integrals over the material in a cell, about the cell's centre, cell units: 1, x, y, z, xx, yy, zz, xy, yz, zx, xyz,
+/// xxy, xxz, xyy, yyz, xzz, yzz.
 using MonomialMoments = std::array<double, 17>;
 
 /// Cells of every node's patch, compressed.

@@ -55,7 +55,7 @@ struct Polynomial {
     }
   }
 
-  /// Calls visit(component, term, entry) for the entries of interior row r; one place may come twice.
+  /// Calls visit(component, term, entry) for the entries of interior row r; one index may come twice.
   template <class Real, class Visit>
   static KOKKOS_FORCEINLINE_FUNCTION void visit_row(int r, const Real& g, const Visit& visit) {
     if (degree == 1 || r < 3) {

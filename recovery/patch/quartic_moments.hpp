@@ -1,4 +1,5 @@
-/// Integrals of all monomials up to degree 4 over parts of cells: what the mass matrices of quadratic polynomials need.
+/// Integrals of all monomials up to degree 4 over the material in cells, for the mass matrices of quadratic
+/// polynomials.
 #pragma once
 
 #include <array>
@@ -8,8 +9,8 @@
 
 namespace cgcontact {
 
-/// Place of x^i y^j z^k, i + j + k <= 4, among the 35 monomials: by i, then j + k, then k. The monomials of each i come
-/// in the order of those of i = 0.
+/// Returns the index of x^i y^j z^k, i + j + k <= 4, among the 35 monomials: by i, then j + k, then k. The monomials of
+/// each i come in the order of those of i = 0.
 KOKKOS_FORCEINLINE_FUNCTION constexpr int quartic_index(int i, int j, int k) {
   constexpr int first[5] = {0, 15, 25, 31, 34};  // of each i
   return first[i] + (j + k) * (j + k + 1) / 2 + k;
@@ -19,10 +20,10 @@ constexpr int num_quartics = 35;
 /// Integrals of the monomials about some centre, cell units (a full cell has volume 1).
 using QuarticMoments = std::array<double, num_quartics>;
 
-/// Those over the body's part of a cell, about the cell's centre.
+/// Returns those over the material in a cell, about the cell's centre.
 QuarticMoments quartic_moments(const Moments& moments);
 
-/// Place of the product of two terms of Polynomial<2> among the monomials.
+/// Returns the index of the product of two terms of Polynomial<2> among the monomials.
 KOKKOS_FORCEINLINE_FUNCTION constexpr int place_of_product(int s, int t) {
   constexpr int power[10][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0},
                                 {0, 2, 0}, {0, 0, 2}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}};

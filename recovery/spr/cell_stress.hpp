@@ -30,7 +30,7 @@ struct StressIntegrals {
   std::vector<PaddedPolynomial> stress;  ///< the ten terms times the stress, about the centre of the cell; by row
   std::vector<double> square;            ///< stress : stress, cell units; by row
   std::vector<QuarticMoments> moments;   ///< of a full cell, then of the cut cells of the subset
-  std::vector<int> moments_of_row;       ///< row -> place in `moments`
+  std::vector<int> moments_of_row;       ///< row -> index in `moments`
 
   /// Returns whether the integrals over a cell are known.
   bool hold(int cell) const { return cells.row(cell) >= 0; }

@@ -39,7 +39,7 @@ struct CellSums {
   }
 };
 
-/// Place of x_axis^i times the other two to the powers b and c.
+/// Returns the index of x_axis^i times the other two to the powers b and c.
 template <int axis>
 KOKKOS_FORCEINLINE_FUNCTION constexpr int quartic_along(int i, int b, int c) {
   return axis == 0 ? quartic_index(i, b, c) : axis == 1 ? quartic_index(b, i, c) : quartic_index(b, c, i);

@@ -16,7 +16,7 @@ KOKKOS_FORCEINLINE_FUNCTION constexpr double corner_scale(int term) {
   return scale[term];
 }
 
-/// In place, corner values (corner, component) -> sums and differences over each direction (bit set: difference):
+/// Turns in place corner values (corner, component) -> sums and differences over each direction (bit set: difference):
 /// u = sum over the corners = products of (1/2 -+ x), so that du/dx = h1/4 + h3/2 y + h5/2 z + h7 yz, and cyclic.
 KOKKOS_INLINE_FUNCTION void corner_differences(double h[8][3]) {
   for (int bit = 1; bit < 8; bit *= 2)

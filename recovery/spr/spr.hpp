@@ -28,8 +28,8 @@ struct QuadraticTerms {
 /// The 6 x 4 coefficients of a node.
 using Coefficients = std::array<double, 6 * num_terms>;
 
-/// Polynomials of some or all nodes of one body, about their places, in units of the cells of their levels (which those
-/// of all corners of a cell are).
+/// Polynomials of some or all nodes of one body, about their positions, in units of the cells of their levels (which
+/// those of all corners of a cell are).
 struct RecoveredField {
   Subset nodes;                                          ///< that are stored
   CoefficientView values;                                ///< row of the subset, component, term
@@ -86,8 +86,8 @@ void set_constrained_nodes(const BodyMesh& mesh, const RecoveredField& field, Qu
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field);
 
-/// The fit of all nodes of a field from the displacements, a part of them at a time: the integrals of all cells would
-/// take as much memory as the field. Returns the number of singular patches. Called by all ranks.
+/// Fits all nodes of a field to the displacements, in chunks: the integrals of all cells would take as much memory as
+/// the field. Returns the number of singular patches. Collective.
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
                 int nodes_per_part = 200000);
 

@@ -98,9 +98,8 @@ KOKKOS_INLINE_FUNCTION void gather_stress(const PatchArrays<Memory>& body, const
   }
 }
 
-/// Fit of eight full cells around a node: the mass matrix is diag(8, 8/3, 8/3, 8/3). The cells are ascending, so that
-/// the bits of their place are their offsets.
-/// integrals(c): the 6 x 4 ones of the c-th cell.
+/// Fits eight full cells around a node: the mass matrix is diag(8, 8/3, 8/3, 8/3). The cells are ascending, so that the
+/// bits of their index are their offsets. integrals(c): the 6 x 4 ones of the c-th cell.
 template <class Integrals>
 KOKKOS_INLINE_FUNCTION void fit_full_patch(const Integrals& integrals, double* a) {
   double H[6][num_terms] = {};

@@ -16,13 +16,13 @@ struct IntegralArrays {
   Array<const double*> square;                                                     ///< row
   Array<const double* [num_quartics]> moments;
   Array<const int*> moments_of_row;
-  Array<const int* [3]> cells;       ///< of the body: places in the grid
+  Array<const int* [3]> cells;       ///< of the body: positions in the grid
   Array<const signed char*> levels;  ///< of the cells; empty: 0
   int flat = -1;                     ///< of bodies of revolution the axis across: all cells and centres lie at 0
 
   KOKKOS_FORCEINLINE_FUNCTION bool hold(int cell) const { return subset.row(cell) >= 0; }
   KOKKOS_FORCEINLINE_FUNCTION int level(int cell) const { return levels.extent(0) == 0 ? 0 : levels(cell); }
-  /// The body's part of a cell that they hold.
+  /// Returns the volume of the material in a cell that they hold.
   KOKKOS_FORCEINLINE_FUNCTION double volume(int cell) const { return moments(moments_of_row(subset.row(cell)), 0); }
 
   KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int place, const double centre[3]) const {
