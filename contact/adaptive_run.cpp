@@ -41,13 +41,13 @@ constexpr double dearer = 1.2;
 /// Times max_time at which a solve that may be given up is: a forecast that is a little too short loses no solve, and
 /// what cannot be interrupted still ends within a fifth of max_time.
 constexpr double give_up = 1.1;
-/// Part of the time of a run with one solve beside it that is told.
+/// Fraction of a run's time that one solve beside it must take to be reported.
 constexpr double told_part = 0.01;
 
 /// Ends a solve whose time is over while the run has the solution of an earlier one.
 struct OutOfTime {};
 
-/// Counts the closed pieces of contact surfaces: how many times as many there are on other grids.
+/// Returns how many times as many closed groups there are on other grids.
 double more_closed_pieces(const SolvedState& state, const std::vector<BodyModel>& next) {
   double now = 0, then = 0;
   for (const ContactPair& pair : state.pairs)
@@ -197,7 +197,7 @@ double AdaptiveRun::excess(double allowed) {
   return time;
 }
 
-/// Tells whether the next grid is the last one again, though the targets are not met: sizes are rounded to halvings,
+/// Returns whether the next grid is the last one again, though the targets are not met: sizes are rounded to halvings,
 /// and where all cells have one size, all of them the same way.
 bool AdaptiveRun::stands_still() const {
   const SolveFigures& last = figures_.solves.back();
@@ -232,7 +232,7 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   return !stands_still() || place_within(allowed, finer * factor, callbacks);
 }
 
-/// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`, and
+/// Makes the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`, and
 /// falls again from a first guess that leaves most of them. False: the cells would be hardly smaller than those before.
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
   const double worth = std::pow(1 / least_gain, unknowns_power);  // times as many unknowns
@@ -280,7 +280,7 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
   return false;
 }
 
-/// Tells whether a solve is to be given up: time is over, and there is a solution already.
+/// Returns whether a solve is to be given up: time is over, and there is a solution already.
 bool AdaptiveRun::is_out_of_time() const { return has_solution() && seconds() > give_up * given_.accuracy.max_time; }
 
 /// Makes the next solve the present one. One that is worse by its estimates and does not meet the targets is none to
@@ -415,7 +415,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   if (figures_.solves.size() > 1 || all - own > told_part * all)
     results.times_s.insert(results.times_s.begin(), {"other solves", std::max(0.0, all - own)});
   if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
-  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular place
+  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular position
   for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
   results.accuracy = figures_;
   results.accuracy.asked = true;

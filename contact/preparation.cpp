@@ -18,10 +18,10 @@
 namespace cgcontact {
 namespace {
 
-/// Part of all loads that may act along a surface on which a body slides: a face may end between quadrature points.
+/// Fraction of all loads that may act along a surface on which a body slides: a face may end between quadrature points.
 constexpr double little_load = 1e-3;
 
-/// Part of all loads: what is less drives no motion. They are integrated to 1e-9.
+/// Fraction of all loads below which no motion is driven. They are integrated to 1e-9.
 constexpr double no_load = 1e-7;
 
 /// For each body the least Young's modulus of those that contact pairs join to it, directly or over others, Pa.
@@ -49,10 +49,11 @@ double smallest_contact_cell(const Preparation& p, int body, double otherwise) {
   return smallest < 1e300 ? smallest : otherwise;
 }
 
-/// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
-/// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
-/// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
-/// points seem to resist, as the contact of curved surfaces does between cells. Friction resists what slides.
+/// Checks for motions that are free although all contact is closed: components that nothing holds, flat faces that
+/// slide on each other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with
+/// nothing to drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the
+/// other side's points seem to resist, as the contact of curved surfaces does between cells. Friction resists what
+/// slides.
 void check_free_motions(const Scene& scene, Preparation& p) {
   const auto refuse_driven = [&](const FreeMotions& free, double allowed, const std::string& text) {
     const FreeMotions driven = driven_by_loads(free, p.bodies, allowed);

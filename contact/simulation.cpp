@@ -272,7 +272,7 @@ void Simulation::hold_wanderers() {
   make_system();
 }
 
-/// Tells whether a body that nothing drives slid or spun along surfaces until its contact let go. Points of few cells
+/// Returns whether a body that nothing drives slid or spun along surfaces until its contact let go. Points of few cells
 /// push it along, which exact contact does not.
 bool Simulation::lost_by_wandering(const std::string& fault) const {
   if (fault.empty() && contact_carries(state)) return false;

@@ -31,9 +31,8 @@ class Simulation {
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results. Throws
   /// InputError.
   void run(const ProgressCallbacks& progress);
-  /// Its parts: the grids; all that is solved on them and what it says. The pressure along the paths that are drawn may
-  /// come later.
-  /// earlier: a solution on other grids to start from, or none.
+  /// Steps of a simulation: making the grids; solving on them, with all results. The pressure along the paths that are
+  /// drawn may come later. earlier: a solution on other grids to start from, or none.
   void place(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   /// The halves of solve: up to the displacements, and what follows from them.

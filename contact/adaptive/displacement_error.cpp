@@ -10,7 +10,7 @@
 namespace cgcontact {
 namespace {
 
-/// Part of the error of a solve that the next one has left, at most: a larger one is no convergence to count on.
+/// Largest fraction of a solve's error that the next one leaves: with more, convergence is not to be counted on.
 constexpr double slowest = 0.75;
 
 Vec3 at_boundary(const SolvedState& state, int body, int point) {

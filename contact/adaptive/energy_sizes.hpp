@@ -12,8 +12,8 @@ namespace cgcontact {
 /// Returns a body's estimated error relative to its own energy norm.
 double energy_error_of_body(const BodyFields& body);
 
-/// The relative error of the energy norm that is expected once the cells are as small as `zones` (of each body) ask:
-/// the error of a place falls like the size of its cells.
+/// Returns the relative error of the energy norm expected once the cells are as small as `zones` (of each body) ask:
+/// the local error falls like the size of the cells.
 double expected_energy_error(const Results& results, const std::vector<std::unique_ptr<SizeField>>& zones);
 /// The same of one body.
 double expected_energy_error(const BodyFields& body, const SizeField& zones);

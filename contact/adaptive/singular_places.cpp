@@ -15,15 +15,15 @@ constexpr double ball = 1.5;
 /// Balls on the last grid: each so many times as large as the one before.
 constexpr double radius_factor = 1.6;
 constexpr int radii = 5;
-/// Places that are no farther apart than so many cells or that part of the body's longest side are one.
+/// Positions no farther apart than this, in cells or as a fraction of the body's longest side, are one.
 constexpr double apart_cells = 8, apart_part = 1.0 / 12;
-/// Places of a body that are looked at, those with the largest errors.
+/// Number of candidates per body, those with the largest errors.
 constexpr int most_candidates = 16;
 /// Cells of less volume than that (of a whole one) are no candidates: their density is rounding.
 constexpr double least_volume = 0.1;
-/// A place is singular from these values on (error: of the energy norm in the ball). Measured: notches, clamped edges,
-/// rims and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact zones:
-/// error up to 0.3, but a fall of -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
+/// A position is singular from these values on (error: of the energy norm in the ball). Measured: notches, clamped
+/// edges, rims and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact
+/// zones: error up to 0.3, but a fall of -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
 constexpr double least_error = 0.25, least_fall = 0.15, least_growth = 0.15;
 /// Solves whose cells there are larger than so many of the last one say nothing of the exponent.
 constexpr double largest_cell = 40;
@@ -157,7 +157,7 @@ std::vector<std::string> faces_near(const SolvedState& state, std::size_t b, con
   return names;
 }
 
-/// Tells whether one surface turns so much within the ball that cells of that size do not see its curvature. A fillet
+/// Returns whether one surface turns so much within the ball that cells of that size do not see its curvature. A fillet
 /// looks to them like the notch that it rounds off, and the stress grows from solve to solve until they see it.
 bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
   const BoundaryPoints& boundary = body.cut_cells.boundary;

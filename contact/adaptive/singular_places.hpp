@@ -15,14 +15,13 @@ struct CellEnergies {
 };
 std::vector<CellEnergies> cell_energies(const Results& results);
 
-/// The measure is the mean stress S (uniaxial, of the same energy) in the ball of some cells around a place. A place is
-/// singular if
-/// - the last solve's error there is a large part of the stress still, and the largest of its surroundings,
+/// Finds singular positions by the mean stress S (uniaxial, of the same energy) in the ball of some cells around a
+/// position. It is singular if
+/// - the last solve's error there is still a large fraction of the stress, and the largest of its surroundings,
 /// - S has grown from solve to solve like h^-a while its cells were at least halved, and still grows at the end,
 /// - and S falls with the radius of the ball on the last grid, as it does not where a smooth stress was merely not
-/// resolved before.
-/// One for each set of faces; not where further faces meet the edge between some. solves: in order, the last one the
-/// state's.
+/// resolved before. One for each set of faces; not where further faces meet the edge between some. solves: in order,
+/// the last one the state's.
 std::vector<SingularPlace> singular_places(const SolvedState& state,
                                            const std::vector<std::vector<CellEnergies>>& solves);
 

@@ -13,7 +13,7 @@
 namespace cgcontact {
 namespace {
 
-/// Half the diagonal of a square over its side: the ball around a group's centre that holds its cell's piece.
+/// Half the diagonal of a square over its side: the ball around a group's centre that holds its boundary piece.
 constexpr double half_square_diagonal = 0.71;
 
 /// Largest refinement at once where the position of a zone is known.
@@ -40,7 +40,7 @@ void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneStat
   if (width.cells) zone.width = *width.cells * width.cell;
 }
 
-/// Groups whose faces are nearer to each other than a part of a cell, although nothing is closed.
+/// Adds groups whose faces are nearer to each other than a fraction of a cell, although nothing is closed.
 void add_near_groups(const SolvedState& state, const ContactPair& pair, double part, ZoneState& zone) {
   for (const ContactGroup& group : pair.groups) {
     double gap = 1e300;

@@ -26,7 +26,7 @@ struct ZoneState {
   std::vector<SizedBall> places;  ///< closed groups or what may touch; size: that of the present cells
 };
 
-/// Sizes of the places of a resolved zone that ends where the faces end (a flat punch: its pressure has a peak at the
+/// Sets the local sizes of a resolved zone that ends where the faces end (a flat punch: its pressure has a peak at the
 /// rim): those of the fewest cells with `target` as the relative error of the pressure, by the estimated errors of the
 /// contact rows, taken to fall like the size (Fuenmayor and Oliver, IJNME 39 (1996) 4039, in the two dimensions of a
 /// surface): h_new/h = E e^(-1/2) (sum of e)^(-1/2).

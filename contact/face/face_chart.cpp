@@ -12,9 +12,9 @@ namespace {
 /// A zone whose normals are all within 30 degrees of their mean is seen from above.
 constexpr double flat = 0.866;
 /// A face is round about an axis when the mean square of its normals along it is less, and its points are within that
-/// part of the radius of one cylinder.
+/// fraction of the radius of one cylinder.
 constexpr double no_turn = 1e-4, one_radius = 0.02;
-/// Directions and places that are the same up to that.
+/// Tolerance of directions and positions that are the same.
 constexpr double same = 1e-6;
 
 }  // namespace

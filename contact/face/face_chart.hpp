@@ -26,7 +26,7 @@ class FaceChart {
                                        int across, const Mat3& turned);
 
   FacePlace place(const Vec3& x) const;
-  /// A point with that place, near the face.
+  /// Returns the point at a chart position, near the face.
   Vec3 point(const FacePlace& place) const;
   /// Unit normal of the chart at a point.
   Vec3 normal(const Vec3& x) const;

@@ -24,13 +24,13 @@ struct SolvedZone {
   int pair = 0, primary = 0;
   FaceChart chart;
   double h = 0;             ///< m
-  std::vector<char> known;  ///< patches that are part of the faces
+  std::vector<char> known;  ///< patches on both faces
   /// Cosines between the normals of the primary face and of the chart at each patch: pressures are per area of the
   /// chart.
   std::vector<double> cosine;
   std::vector<double> height;  ///< of the primary face above the chart at each patch, m
   FacePressure pressure;
-  std::vector<EdgePiece> edge;  ///< places along it
+  std::vector<EdgePiece> edge;  ///< points along it
 
   /// At a point on the face of a body; none: the zone does not reach there.
   std::optional<PressureOnFace> at(int body, const Vec3& x, const Vec3& normal) const;
@@ -46,7 +46,7 @@ struct SolvedZone {
   std::optional<Place> place_of(int body, const Vec3& x, const Vec3& normal) const;
 };
 
-/// Places along the edge of a zone whose pressure is known; global axes.
+/// Returns points along the edge of a zone whose pressure is known; global axes.
 std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone);
 
 class FacePressures : public KnownPressures {

@@ -1,5 +1,5 @@
-/// The law of contact without friction at a point: what a gap presses with. A law along the surface takes its place
-/// beside this one, with the pressure from here.
+/// Contact law without friction at a point: pressure by gap. A law along the surface stands beside this one, with the
+/// pressure from here.
 #pragma once
 
 #include <Kokkos_Macros.hpp>
@@ -14,7 +14,7 @@ struct NormalContact {
 
   /// Pressure of a point that is taken for closed: less than zero, it would pull.
   KOKKOS_INLINE_FUNCTION double closed_pressure(double lagged, double gap) const { return lagged - k * gap; }
-  /// Tells whether a point is closed that would press with this.
+  /// Returns whether a point is closed that would press with this.
   KOKKOS_INLINE_FUNCTION bool is_closed(double closed_pressure) const { return bonded || closed_pressure > 0; }
   KOKKOS_INLINE_FUNCTION double pressure(double lagged, double gap) const {
     const double p = closed_pressure(lagged, gap);

@@ -88,7 +88,7 @@ class ContactPoints {
   bool active(std::size_t q) const { return arrays_.active(first_ + q) != 0; }
   void set_active(std::size_t q, bool active) { arrays_.active(first_ + q) = active ? 1 : 0; }
 
-  /// The arrays, and the place of the first point in them.
+  /// Return the arrays, and the index of the first point in them.
   const HostContactPoints& arrays() const { return arrays_; }
   std::size_t first_place() const { return first_; }
 

@@ -21,13 +21,13 @@ struct TangentialContact {
   }
   KOKKOS_INLINE_FUNCTION double size() const { return std::sqrt(z[0] * z[0] + z[1] * z[1]); }
   KOKKOS_INLINE_FUNCTION bool sticks(double bound) const { return size() <= bound; }
-  /// Part of z that is carried.
+  /// Returns the fraction of z that is carried.
   KOKKOS_INLINE_FUNCTION double part(double bound) const {
     const double most = size();
     return most <= bound ? 1 : bound / most;
   }
-  /// -d tau_i / d s_j of a point that slips is k |tau|/|z| (I - d d^T) with d = z/|z|; of one that sticks k I. `held`:
-  /// part of k that one which slips keeps, so that a body which slides leaves the matrix regular.
+  /// Returns -d tau_i / d s_j of a point that slips is k |tau|/|z| (I - d d^T) with d = z/|z|; of one that sticks k I.
+  /// `held`: fraction of k that one which slips keeps, so that a body which slides leaves the matrix regular.
   KOKKOS_INLINE_FUNCTION double stiffness(double bound, double held, int i, int j) const {
     const double most = size(), one = i == j ? 1 : 0;
     if (most <= bound) return k * one;

@@ -1,6 +1,6 @@
-/// Rows of the mean gap change of contact groups: how far the unknowns of both bodies part the points of a group, each
-/// by its share of the area. Counted, scanned, filled; the contributions to one unknown are added in the order of the
-/// points, so that rows are the same to the last bit on any number of threads.
+/// Rows of the mean gap change of contact groups: how far the unknowns of both bodies separate the points of a group,
+/// weighted by area. Counted, scanned, filled; the contributions to one unknown are added in the order of the points,
+/// so that rows are the same to the last bit on any number of threads.
 #pragma once
 
 #include <array>
@@ -68,7 +68,7 @@ struct NodeShares {
   }
 };
 
-/// Sum of what came before each group, and of all: numbers(g) becomes the first place of group g. Returns the sum.
+/// Scans in place: numbers(g) becomes the sum before group g. Returns the total.
 template <class Exec, class Memory>
 int scan_in_place(const Exec& exec, const Kokkos::View<int*, Memory>& numbers) {
   const int size = static_cast<int>(numbers.extent(0));  // one more than there are groups; the last is 0

@@ -9,7 +9,7 @@
 
 namespace cgcontact {
 
-/// Places of bodies and a direction at each: global axes, m.
+/// Points of bodies and a direction at each: global axes, m.
 template <class Memory>
 struct DirectionArrays {
   Kokkos::View<int*, Memory> body;
@@ -22,7 +22,7 @@ struct DirectionArrays {
         direction("cgcontact::contact::direction", size) {}
 };
 
-/// moved(i) = direction . parts(body).at(x), m: what the rigid parts of the bodies move each place by.
+/// Computes moved(i) = direction . parts(body).at(x), m: the displacements by the rigid motions of the bodies.
 template <class Exec, class Memory, class Parts>
 void rigid_displacements(const Exec& exec, const DirectionArrays<Memory>& places, const Parts& parts,
                          const Kokkos::View<double*, Memory>& moved) {

@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// The sum around the axis of a vector of the half-plane (a force, the first moment of a place), and of the moments: of
-/// a body of revolution what is along the axis, and no moment. Of other bodies they are left.
+/// Projects the sum of a vector of the half-plane (a force, a first moment) around the axis, and that of the moments:
+/// for a body of revolution the component along the axis, and no moment. Others stay as they are.
 inline void sum_around_axis(const BodySpec& body, Vec3& sum, Vec3* moment = nullptr) {
   if (!body.axisymmetric()) return;
   const int axis = body.axis_of_revolution();

@@ -103,7 +103,7 @@ void check_load_on_bond(const Scene& scene, const LoadSpec& load, const BodyMode
           "loads on faces that are not bonded (declared faces divide a face)");
 }
 
-/// Two pairs of the same bodies that share part of both faces would carry the pressure there twice.
+/// Checks that no two pairs of the same bodies share a region of both faces, which would carry the pressure twice.
 void check_shared_faces(const std::vector<BodyModel>& bodies, const ContactSpec& one, const ContactSpec& other) {
   const auto shared = [&](const FaceRef& a, const FaceRef& b) {
     const BodyModel& body = bodies[a.body];

@@ -8,7 +8,7 @@ namespace cgcontact {
 /// A direction with a larger cosine with the normal of a face holds that normal: what acts along the normal there is no
 /// contact pressure (the results use the same).
 constexpr double holds_normal = 1e-3;
-/// Part of a contact face on which a support may lie by the rim of a declared face.
+/// Fraction of a contact face on which a support may lie by the rim of a declared face.
 constexpr double rim = 0.01;
 
 /// Throws InputError if two supports prescribe different displacements in one direction at one point, or if a support

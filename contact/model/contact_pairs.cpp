@@ -50,8 +50,8 @@ int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
   return finest;
 }
 
-/// Planes of the other grid that cross a cell, in the cell's grid coordinates: of the smallest cells that there are
-/// near it, so that every part of a surface in the cell sees one cell only.
+/// Returns planes of the other grid that cross a cell, in the cell's grid coordinates: those of the smallest cells near
+/// it, so that every boundary piece in the cell sees one cell only.
 std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCells& other_cells) {
   const Grid &grid = own.grid, &other = other_cells.grid;
   const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);
@@ -202,7 +202,7 @@ void add_group(const std::vector<BodyModel>& bodies, ContactGroup group, const s
   pair.groups.push_back(group);
 }
 
-/// Groups of all points: pieces of the primary body's surface in its cells, or under a cell of the other body where
+/// Adds the groups of all points: boundary pieces in the primary body's cells, or under a cell of the other body where
 /// that is larger.
 void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfacePoints>& found, ContactPair& pair) {
   std::map<std::array<int, 3>, std::size_t> number;  // body, cell, surface

@@ -32,7 +32,7 @@ struct Leaf {
     Vec3 x;
   } samples[4];
   double lower_bound = 1e300;  ///< no distance in the leaf is below this
-  double change = 0;           ///< largest one of the distance from a sample to a place that it stands for
+  double change = 0;           ///< largest distance from a sample to a position that it stands for
 
   void see(const Sample& sample, double reach) {
     if (!sample.hit) return;
@@ -203,7 +203,7 @@ std::vector<GapSample> GapSampler::Impl::samples(double limit) {
       return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_part * depth;
     };
     const std::size_t coarse = places.size() - std::count_if(places.begin(), places.end(), fine);
-    // All or none: a strip that is finer on one part of it would count for less on the other.
+    // All or none: a strip that is finer at one end would count for less at the other.
     if (coarse == 0 || places.size() + 3 * coarse > most_leaves) break;
     std::vector<Place> finer;
     for (const Place& place : places) {

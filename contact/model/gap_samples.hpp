@@ -23,8 +23,9 @@ class GapSampler {
   GapSampler(GapSampler&&) noexcept;
   ~GapSampler();
 
-  /// A square grid over the group, refined where distances below `limit` (m) may lie until they are known to a part of
-  /// the depth below `limit`. Empty, if no distance below `limit` is found. Not for several threads at once.
+  /// Samples a square grid over the group, refined where distances below `limit` (m) may lie until they are known to a
+  /// fraction of the depth below `limit`. Empty, if no distance below `limit` is found. Not for several threads at
+  /// once.
   std::vector<GapSample> samples(double limit);
 
  private:

@@ -16,7 +16,7 @@ RowSide<MemSpace> side_of(const std::vector<BodyModel>& bodies, const ElasticSys
           bodies[body].cut_cells.grid.rotation};
 }
 
-/// Directions along which the points of a pair part.
+/// Directions along which the points of a pair separate.
 using Directions = std::vector<Vec3>;
 
 CompressedGapRows<MemSpace> rows_of_pair(const ExecSpace& exec, const ContactPair& pair,

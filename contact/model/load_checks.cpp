@@ -12,14 +12,14 @@
 namespace cgcontact {
 namespace {
 
-/// Parts along each side of a cell: at first, and where these differ from the whole.
+/// Subdivisions along each side of a cell: at first, and where these differ from the whole.
 constexpr int few_parts = 2, many_parts = 8;
-/// Part of what acts in a cell: a difference that is rounding, or that of a smooth load.
+/// Fraction of what acts in a cell: a difference that is rounding, or that of a smooth load.
 constexpr double no_difference = 1e-6;
-/// Part of the area of a face in a cell: pieces that divided ones do not make up are not compared.
+/// Fraction of the area of a face in a cell: pieces whose subdivisions do not add up to it are not compared.
 constexpr double same_area = 1e-6;
 
-/// Resultants of what acts on a part of a face, and the integral of the magnitudes.
+/// Resultants of what acts on a region of a face, and the integral of the magnitudes.
 struct Sums {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   double magnitude = 0, area = 0;
@@ -44,7 +44,7 @@ bool is_field(const LoadSpec& load) {
                      [](const Expression& component) { return !component.is_constant(); });
 }
 
-/// Planes that cut a cell into so many parts along each of its sides.
+/// Returns planes that divide a cell into `parts` along each of its sides.
 std::vector<Plane> planes_in(const CutCells& cells, int cell, int parts) {
   std::vector<Plane> planes;
   for (int k = 0; k < 3; ++k) {

@@ -132,7 +132,7 @@ void find_resultants(const Scene& scene, int body, BodyModel& model) {
     const FaceMoments moments = moments_of(load.face.face, model);
     if (!(moments.area() > 0)) continue;  // told as a face without points
     try {
-      // A force along an axis of revolution has no moment about any place.
+      // A force along an axis of revolution has no moment about any point.
       model.resultants[l] = model.spec->axisymmetric()
                                 ? moments.with_resultants(load.force, Vec3::Zero(), moments.centroid())
                                 : load.resulting_traction(moments);
@@ -404,8 +404,8 @@ double support_stiffness(const Scene& scene, const BodyModel& body, const Suppor
 
 namespace {
 
-/// Three points for each connected piece of the body, with the area of its end, its centre and its second moments: what
-/// they hold of it as a rigid body is what plane strain holds. They need not lie in it. One end will do. Bodies of
+/// Adds three points for each connected component of the body, with the area of its end, its centre and its second
+/// moments: they hold its rigid motion as plane strain does. They need not lie in it. One end will do. Bodies of
 /// revolution are held away from their axis as well.
 void hold_one_layer(int support, int b, const BodyModel& body, const BodyFace& face,
                     std::vector<SupportPoint>& points) {

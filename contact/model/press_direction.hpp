@@ -2,7 +2,7 @@
 /// other: faces that see each other there are not parallel, and the gap along their normals is not the one that closes.
 ///
 /// Frictionless contact acts along the normal of what is flat, and across both edges where two edges cross. With M the
-/// mean of n n^T over a side's normals near the place, 1/n . M^-1 n is small across edges and large for what is a
+/// mean of n n^T over a side's normals nearby, 1/n . M^-1 n is small across edges and large for what is a
 /// normal of the side. So both sides' are combined like springs in a row:
 ///   d = (M1^-1 + M2^-1)^-1 (mean n1 - mean n2)
 #pragma once
@@ -29,8 +29,8 @@ struct FacingNormals {
   Vec3 direction() const;
 };
 
-/// For each place (a cell and what points of one surface in it see; surface: its index) the direction to measure its
-/// gap along, global axes; zero, where no edge is near: the surface's own normals.
+/// Returns for each cell, with what points of one surface (its index) in it see, the direction of its gap, global axes;
+/// zero, where no edge is near: the surface's own normals.
 std::vector<Vec3> press_directions(int num_levels, const std::vector<CellPlace>& cells,
                                    const std::vector<int>& surfaces, const std::vector<FacingNormals>& normals);
 

@@ -10,7 +10,7 @@
 namespace cgcontact {
 namespace {
 
-/// A single motion that rotates by less than this part of what it moves is a translation in words: the centre of a
+/// A single motion that rotates by less than this fraction of what it moves is a translation in words: the centre of a
 /// body's cells is not that of the body.
 constexpr double mostly = 0.1;
 /// Boundary points among which the held ones are chosen: of all bodies, but at least so many of each.

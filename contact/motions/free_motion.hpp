@@ -63,8 +63,8 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
                                             const std::vector<RigidPiece>& pieces);
 
-/// Those that the loads do work on, more than the part `no_load` of them (they are integrated to 1e-9): one column, or
-/// none.
+/// Returns those that the loads do work on, more than the fraction `no_load` of them (they are integrated to 1e-9): one
+/// column, or none.
 FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load = 1e-7);
 
 /// "y" for a direction along an axis, else three components.

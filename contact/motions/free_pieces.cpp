@@ -14,7 +14,7 @@
 namespace cgcontact {
 namespace {
 
-/// Part of a motion that is rounding.
+/// Fraction of a motion that is rounding.
 constexpr double negligible = 1e-3;
 /// Mean squared resistance of a face to a motion (of 1 at its fastest) that makes it worth naming.
 constexpr double worth_holding = 0.02;
@@ -79,7 +79,7 @@ class FreeMotion {
 
  private:
   std::string describe(const Eigen::MatrixXd& modes) const {
-    Eigen::Index chosen = 0;  // the piece that moves most
+    Eigen::Index chosen = 0;  // the component that moves most
     double most = -1;
     for (std::size_t k = 0; k < pieces_.list.size(); ++k) {
       const double share = modes.middleRows<6>(static_cast<Eigen::Index>(6 * k)).norm();
@@ -101,7 +101,7 @@ class FreeMotion {
     const std::vector<RigidMotion> motions = readable_motions(free);
     for (std::size_t k = 0; k < motions.size(); ++k)
       text += (k == 0 ? "" : k + 1 < motions.size() ? ", to " : " and to ") + motion_text(piece, motions[k]);
-    // The whole motion in which this piece does the first one and the others as little as they can.
+    // The motion of all in which this component does the first one and the others as little as they can.
     const Eigen::VectorXd share = (free.transpose() * motions[0]).cwiseQuotient(svd.values().head(dimension));
     const Eigen::VectorXd together = modes * (svd.right().leftCols(dimension) * share);
     return fmt::format("{} is free to {}{}: add a support or a contact that holds it{}", piece_text(chosen), text,

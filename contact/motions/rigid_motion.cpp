@@ -14,7 +14,7 @@ namespace {
 
 using Block = Eigen::Matrix<double, 6, 6>;
 
-/// Resistance of supports and closed contact by pairs of pieces (lower triangle: first >= second).
+/// Resistance of supports and closed contact by pairs of connected components (lower triangle: first >= second).
 using PieceResistance = std::map<std::pair<int, int>, Block>;
 
 PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
@@ -47,7 +47,7 @@ PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyM
   return sum;
 }
 
-/// Pieces by the assembly that they belong to: those that contact joins.
+/// Groups connected components by assembly: those that contact joins.
 std::vector<std::vector<int>> find_assemblies(const PieceResistance& resistance, int num_pieces) {
   std::vector<int> first(num_pieces);
   std::iota(first.begin(), first.end(), 0);
@@ -85,7 +85,7 @@ Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const PieceResi
   return eigen.eigenvectors().leftCols(count);
 }
 
-/// The `count` pieces of a body, given by their numbers in it.
+/// Adds the `count` connected components of a body, given by their numbers in it.
 void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int> piece_of_cell, int count,
                 RigidPieces& pieces) {
   const CutCells& cells = bodies[body].cut_cells;

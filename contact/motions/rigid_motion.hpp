@@ -1,5 +1,4 @@
-/// Rigid motions of bodies, or of the pieces that they consist of, and which of them supports and closed contact
-/// resist.
+/// Rigid motions of bodies, or of their connected components, and which of them supports and closed contact resist.
 #pragma once
 
 #include <vector>
@@ -11,7 +10,7 @@ namespace cgcontact {
 /// Translation t, then rotation r: u(x) = t + r x (x - centre) / size.
 using RigidMotion = Eigen::Matrix<double, 6, 1>;
 
-/// A body or a connected piece of one.
+/// A body or a connected component of one.
 struct RigidPiece {
   int body = 0;
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around its cells, m
@@ -27,21 +26,21 @@ struct RigidPiece {
 
 struct RigidPieces {
   std::vector<RigidPiece> list;
-  std::vector<std::vector<int>> of_cell;  ///< body, active cell -> index into list; empty: one piece per body
+  std::vector<std::vector<int>> of_cell;  ///< body, active cell -> index into list; empty: one component per body
   int at(int body, int cell) const { return of_cell.empty() ? body : of_cell[body][cell]; }
 };
 
 /// One per body, in their order.
 RigidPieces whole_bodies(const std::vector<BodyModel>& bodies);
-/// Bodies may consist of pieces that nothing joins.
+/// Finds the connected components of bodies.
 RigidPieces separate_pieces(const std::vector<BodyModel>& bodies);
 
 /// Returns for each body its assembly, made by bonded faces: the smallest index of the bodies in it.
 std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<ContactPair>& pairs);
 
-/// Basis (orthonormal columns; rows 6 k .. 6 k + 5: motion of piece k) of the motions that are resisted by less than
-/// `no_stiffness` of what is resisted most among the pieces that contact joins; with the present state of the contact
-/// points.
+/// Returns a basis (orthonormal columns; rows 6 k .. 6 k + 5: motion of component k) of the motions that are resisted
+/// by less than `no_stiffness` of what is resisted most among the components that contact joins; with the present state
+/// of the contact points.
 Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
                                    const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                    double no_stiffness = 1e-9);

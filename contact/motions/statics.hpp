@@ -10,7 +10,7 @@ namespace cgcontact {
 /// Statics of a solved scene, with the present state of its contact points.
 class Statics {
  public:
-  /// References stay valid outside.
+  /// The arguments must outlive this object.
   Statics(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
           const std::vector<ContactPair>& pairs);
   ~Statics();

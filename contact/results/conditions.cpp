@@ -42,7 +42,7 @@ std::string resultants_text(const LoadSpec& load, double factor) {
   return text;
 }
 
-/// Components of force, moment and place that are rounding become 0.
+/// Sets components of force, moment and position that are rounding to 0.
 void leave_out_rounding(LoadFigures& load) {
   constexpr double rounding = 1e-9;
   const double size = load.of_body ? std::cbrt(load.area) : std::sqrt(load.area), force = load.force.norm();

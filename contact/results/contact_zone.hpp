@@ -27,8 +27,8 @@ class ContactZone {
   /// Returns the images of the points within some cells of a symmetry plane that both bodies of their pair have.
   const std::vector<TransmittedForce>& images() const { return images_; }
 
-  /// The closed points of every cell, pair and image as one point with their mean place and normal; images last, from
-  /// the middle of the body outwards.
+  /// Returns the closed points of every cell, pair and image as one point with their mean position and normal; images
+  /// last, from the middle of the body outwards.
   std::vector<TransmittedForce> closed_cells() const;
 
  private:

@@ -20,7 +20,7 @@ constexpr double beyond_closed = 1.25;
 constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
 constexpr double least_angle = 1e-4;
-/// Part of a zone's force that decides nothing.
+/// Fraction of a zone's force that decides nothing.
 constexpr double relevant_part = 0.01;
 
 /// Planes that both bodies have; a rigid body needs none.
@@ -34,7 +34,7 @@ std::vector<SymmetryPlane> planes_of(const SolvedState& state, const ContactPair
   return common_planes(of_body[0], of_body[1], state.bodies[pair.primary].cut_cells.grid.cell_size);
 }
 
-/// Tells whether the zone transmits forces where a face ends, in groups with the end along half a cell or more:
+/// Returns whether the zone transmits forces where a face ends, in groups with the end along half a cell or more:
 /// bodies are no half-spaces there.
 bool reaches_end(const ZonePatches& patches, const FaceZone& zone) {
   const FaceGrid& grid = patches.grid();
@@ -67,8 +67,8 @@ double widest_facet(const SolvedState& state, const ContactPair& pair, const Zon
   return widest;
 }
 
-/// Patches are finer than triangles, whose edges are no part of the body that they stand for: its face has no details
-/// shorter than the widest facets.
+/// Smooths the face: patches are finer than the facets, whose edges the body does not have; no details are shorter than
+/// the widest facets.
 void smooth_facets(const SolvedState& state, const ContactPair& pair, const ZonePatches& patches, FaceZone& zone) {
   const FaceGrid& grid = patches.grid();
   const double patch = grid.plane_strain ? grid.spacing[1] : std::min(grid.spacing[0], grid.spacing[1]);

@@ -18,10 +18,10 @@ namespace {
 constexpr double exact_face = 1e-9, faceted = 0.007;
 /// Cosine with the mean normal: facets are nearly flat, and their mean normal is the axis.
 constexpr double along_normal = 0.9;
-/// Least part of a motion that is rotation, of exact surfaces and of facets: an axis that is 100, or 5, sizes of the
-/// zone away is none.
+/// Least fraction of a motion that is rotation, of exact surfaces and of facets: an axis that is 100, or 5, sizes of
+/// the zone away is none.
 constexpr double far_axis = 0.01, far_axis_of_facets = 0.2;
-/// Part of a rotation that is none.
+/// Fraction of a rotation that is none.
 constexpr double no_rotation = 0.2;
 /// Sine of an angle that is none.
 constexpr double no_angle = 1e-6;
@@ -278,10 +278,10 @@ std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<Pressed
 
 namespace {
 
-/// Part of the largest pressure that shear may change it by where that counts as nothing.
+/// Fraction of the largest pressure by which shear may change it where that counts as nothing.
 constexpr double no_change_by_shear = 0.005;
-/// Steps in which bodies of different materials are pressed, at least; part of the closed area that was apart before
-/// the first one; part of a cell that slip may be (contact points see what lay opposite in the beginning).
+/// Least number of steps in which bodies of different materials are pressed; fraction of the closed area that was apart
+/// before the first one; fraction of a cell that slip may be (contact points see what lay opposite in the beginning).
 constexpr std::size_t fewest_steps = 10;
 constexpr double little_area = 0.1, small_slip = 1.0 / 3;
 
@@ -290,7 +290,7 @@ double shear_compliance(const Material& material) {
   return std::isinf(material.youngs_modulus) ? 0 : 2 * (1 + material.poisson_ratio) / material.youngs_modulus;
 }
 
-/// Part of a pair's closed area that was apart in the beginning.
+/// Returns the fraction of a pair's closed area that was apart in the beginning.
 double part_that_was_apart(const ContactPair& pair) {
   double apart = 0, closed = 0;
   for (std::size_t q = 0; q < pair.points.size(); ++q) {

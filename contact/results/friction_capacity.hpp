@@ -20,21 +20,22 @@ namespace cgcontact {
 /// - Force, torque, use and areas are those of the closed points, with the shear that the solution transmits.
 void fill_friction(const SolvedState& state, Results& results);
 
-/// Tells whether shear of mu p changes the pressure of a pair: it moves faces along their normals by Dundurs' second
+/// Returns whether shear of mu p changes the pressure of a pair: it moves faces along their normals by Dundurs' second
 /// constant times what the pressure does (Johnson, Contact Mechanics, 2.2 and 5.4), not at all for one material.
 bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair);
 
 /// Warnings: bodies that slip while they are pressed in few steps; slip that is no longer small.
 std::vector<std::string> friction_warnings(const SolvedState& state);
 
-/// A place that is pressed: m, outward unit normal, m^2 of area.
+/// Pressed point: m, outward unit normal, m^2 of area.
 struct PressedPlace {
   Vec3 x, normal;
   double area;
 };
 
-/// The axis about which faces turn and stay what they are, of both sides of a zone, through `centre` where its place is
-/// not determined (flat faces). None: there is none, or more than one (spheres). across: direction of plane strain.
+/// Returns the axis about which faces turn into themselves, of both sides of a zone, through `centre` where its
+/// position is not determined (flat faces). None: there is none, or more than one (spheres). across: direction of plane
+/// strain.
 std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre,
                                             const std::optional<Vec3>& across);
 

@@ -20,7 +20,7 @@ double held_part(const SolvedState& state, const ContactPair& pair);
 /// Warns of bodies that are held along surfaces, with the force that it takes. Empty: none are.
 std::string place_keeping_warning(const SolvedState& state);
 
-/// Tells whether any pair carries more than rounding beside all that acts on the bodies.
+/// Returns whether any pair carries more than rounding beside all that acts on the bodies.
 bool contact_carries(const SolvedState& state);
 
 /// N, sum of all that acts on a body: what the linear solver leaves.

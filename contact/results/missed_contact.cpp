@@ -10,7 +10,8 @@
 namespace cgcontact {
 namespace {
 
-/// Looks between the boundary points for ever smaller gaps, and the part of a gap to which the smallest is known then.
+/// Passes over the boundary between the points for ever smaller gaps, and the fraction of a gap to which the smallest
+/// is known then.
 constexpr int most_looks = 10;
 constexpr double close_enough = 0.1;
 /// Overlap that is more than rounding, cells.

@@ -32,8 +32,8 @@ struct MissedOverlap {
   double cell = 0;        ///< m, size of the larger cell there
 };
 
-/// One for each pair of the results without a closed point whose faces overlap all the same: contact is decided by the
-/// mean gap of pieces of cells, so that a zone smaller than these may be lost. Needs the smallest gaps (open_gaps.hpp).
+/// Returns one for each pair of the results without a closed point whose faces overlap: contact is decided by the mean
+/// gap of groups, so that a smaller zone may be lost. Needs the smallest gaps (open_gaps.hpp).
 std::vector<MissedOverlap> missed_overlaps(const Results& results);
 
 }  // namespace cgcontact

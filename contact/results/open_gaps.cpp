@@ -14,9 +14,9 @@ namespace {
 /// cells 2.5 times smaller, over eta^2 times the deformation: 0.3 in the median of 50 random scenes, 1.7 and 3.4 at the
 /// upper quarter and tenth, 5.8 at most (docs/decisions.md).
 constexpr double safety = 3;
-/// Part of a body's motion: a deformation that is less is none.
+/// Fraction of a body's motion: a deformation that is less is none.
 constexpr double motion_rounding = 1e-9;
-/// Part of the error that a gap counts as, where it is next to nothing.
+/// Fraction of the error that a gap counts as, where it is next to nothing.
 constexpr double least_ratio = 0.1;
 
 /// The largest displacement by which each body deforms, its rigid motion aside, m.

@@ -103,13 +103,13 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
   if (total > 0) figures.centre = centre / total;
 }
 
-/// Largest pressure, and the area of the contact zone: mean of both bodies. Closed points make up whole pieces of
-/// cells; the recovered pressure ends where the edge was found (sphere on block, ten cells over the contact radius:
+/// Adds the largest pressure, and the area of the contact zone: mean of both bodies. Closed points make up whole
+/// groups; the recovered pressure ends where the edge was found (sphere on block, ten cells over the contact radius:
 /// radius from closed points 2 to 3 % too small, from this within 0.2 %).
 void add_zone(const SolvedState& state, int k, const Results& results, PairFigures& figures) {
   for (const ContactRow& r : results.contact_rows)
     if (r.pair == k && r.touching) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
-  constexpr double equal = 1 - 1e-9;  // of equal places the first, whatever the rounding
+  constexpr double equal = 1 - 1e-9;  // of equal ones the first, whatever the rounding
   const auto largest = std::find_if(results.contact_rows.begin(), results.contact_rows.end(), [&](const ContactRow& r) {
     return r.pair == k && r.touching && r.pressure_sprc > equal * figures.max_pressure;
   });

@@ -8,7 +8,7 @@ namespace cgcontact {
 
 /// Cells, iterations, patches; needs no other results.
 void fill_counts(const SolvedState& state, Results& results);
-/// Number of ranks and what each had to do so far. Called by all ranks.
+/// Number of ranks and what each had to do so far. Collective.
 void fill_rank_figures(Results& results);
 /// Displacement and stress fields, error estimate and effectivity. They refer to the state.
 void fill_body_fields(const SolvedState& state, Results& results);

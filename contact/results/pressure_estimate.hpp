@@ -11,9 +11,9 @@ namespace cgcontact {
 /// the squares of
 /// - half of the jump between the two bodies' pressures: what is wrong with their difference;
 /// - the local mean of the transmitted less the recovered pressure (the multipliers are in equilibrium with the
-///   solution, their scatter averages out): what is wrong with the mean of both bodies. Places near an edge of the
+///   solution, their scatter averages out): what is wrong with the mean of both bodies. Points near an edge of the
 ///   zone, where the transmitted pressure itself is spoilt, take the mean of those farther inside;
-/// - the change of the edge's square-root term when the edge moves by what its place may be off: the other two hardly
+/// - the change of the edge's square-root term when the edge moves by the error of its position: the other two hardly
 ///   see it;
 /// - the pressure times the square of the relative error of the energy norm: what is wrong with the solution's forces;
 /// - in zones of less than four cells the difference to the pressure of plain SPR: all the others look

@@ -35,7 +35,7 @@ Around of_row(const ContactRow& row) {
   return values;
 }
 
-/// Rows of a part of the tree that is not divided further.
+/// Rows of an undivided branch of the tree.
 constexpr std::size_t few_rows = 8;
 
 /// The rows of one face of a pair, halved again and again across the longest side of their box: what is wholly near a

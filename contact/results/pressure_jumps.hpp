@@ -1,4 +1,4 @@
-/// Places where the recovered pressure cannot be right, whatever its estimated error in the mean.
+/// Points where the recovered pressure cannot be right, whatever its estimated error in the mean.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace cgcontact {
 
-/// The worst place of a pair where the recovered pressure leaves what the finite element stress, plain SPR and the
-/// transmitted forces have around it.
+/// Worst point of a pair, where the recovered pressure leaves the range that the finite element stress, plain SPR and
+/// the transmitted forces have around it.
 struct PressureJump {
   int pair = 0;
   Vec3 x = Vec3::Zero();                     ///< m
@@ -18,12 +18,12 @@ struct PressureJump {
   double cell = 0;                           ///< m, size of the larger cell there
 };
 
-/// Finds one for each pair that has any. A place is looked at if all rows of its face within
-/// ResultOptions::spoilt_at_edge cells are closed. SPR-C corrects the others by some per cent of the pair's largest
-/// pressure inside of a zone, and by more where they are unsure, so it may leave their range by
-/// ResultOptions::largest_jump of that and by what the finite element stress and plain SPR differ by there. Where these
-/// two are wrong together, as in bodies that lock, SPR-C has what the forces have. A hole or a spike does not show in
-/// an estimate of the mean error (docs/recovery.md, "Error figures"). `max_pressures`: of each pair, Pa.
+/// Finds one for each pair that has any. A row is examined if all rows of its face within ResultOptions::spoilt_at_edge
+/// cells are closed. SPR-C corrects the others by some per cent of the pair's largest pressure inside of a zone, and by
+/// more where they are unsure, so it may leave their range by ResultOptions::largest_jump of that and by what the
+/// finite element stress and plain SPR differ by there. Where these two are wrong together, as in bodies that lock,
+/// SPR-C has what the forces have. A hole or a spike does not show in an estimate of the mean error (docs/recovery.md,
+/// "Error figures"). `max_pressures`: of each pair, Pa.
 std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, const std::vector<double>& max_pressures,
                                          const ResultOptions& options);
 

@@ -17,14 +17,14 @@ namespace cgcontact {
 namespace {
 
 constexpr int num_samples = 401;
-/// Part of a cell: so far below a place on a face there is material, but not beyond its end.
+/// Fraction of a cell: this far below a point on a face there is material, but not beyond its end.
 constexpr double below_face = 1e-3;
 /// Steps of the first walk to the ends of a path, in cells, and their number at most.
 constexpr double walk_step = 0.25;
 constexpr int most_steps = 4000;
-/// A path ends so far beyond the last pressure: part of its length, and cells.
+/// Distance from the last pressure to the end of a path: fraction of its length, and cells.
 constexpr double beyond = 0.3, beyond_cells = 2;
-/// Part of the largest pressure of the pair.
+/// Fraction of the largest pressure of the pair.
 constexpr double hardly_any_pressure = 0.01;
 /// Fraction of the largest second moment of the zone from which a coordinate axis is taken.
 constexpr double long_enough = 0.8;
@@ -40,7 +40,7 @@ const ContactRow* largest_row(const Results& results, int pair) {
   return largest;
 }
 
-/// The tangent along which the zone is longest, seen from the place of the largest pressure.
+/// Returns the tangent along which the zone is longest, seen from the largest pressure.
 Vec3 direction_of(const Results& results, const ContactRow& top) {
   Mat3 second = Mat3::Zero();
   for (const ContactRow& r : results.contact_rows) {

@@ -1,4 +1,4 @@
-/// Places on the contact faces, and the lines on them along which the pressure is drawn.
+/// Points on the contact faces, and the lines on them along which the pressure is drawn.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace cgcontact {
 
-/// Finds places on the contact faces of a run.
+/// Projection to the contact faces of a run.
 class FaceProjection {
  public:
   FaceProjection(const SolvedState& state, const Results& results);
 
-  /// The point of a body's contact faces nearest to a place: on the surface of the nearest contact row, which is a cell
-  /// away at most; in plane strain the place lies anywhere across. pair: of that row, or -1: any.
+  /// Returns the point of a body's contact faces nearest to `anywhere`: on the surface of the nearest contact row,
+  /// which is a cell away at most; in plane strain the position across is ignored. pair: of that row, or -1: any.
   std::optional<ContactRow> operator()(int body, int pair, const Vec3& anywhere) const;
 
  private:
@@ -25,7 +25,7 @@ class FaceProjection {
   std::vector<PointBuckets> rows_;  ///< of each body, m
 };
 
-/// Sets Results::path. With a path in the scene: 401 places of that line, projected to the faces of every body. Without
+/// Sets Results::path. With a path in the scene: 401 points of that line, projected to the faces of every body. Without
 /// one, for every pair a line that follows the face through the largest pressure, along the coordinate axis (or else
 /// the main direction) in which the contact zone is longest, a little beyond the zone at both ends; s is zero at the
 /// largest pressure. Pairs without pressure have none.

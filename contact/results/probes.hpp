@@ -1,4 +1,4 @@
-/// Displacement and recovered stress at the places that the scene asks for.
+/// Displacement and recovered stress at the points that the scene asks for.
 #pragma once
 
 #include <optional>

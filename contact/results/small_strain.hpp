@@ -9,8 +9,8 @@
 
 namespace cgcontact {
 
-/// One warning for each body whose strain, displacement or contact pressure is too large, with the largest value and
-/// its place. Limits: principal strain 5 %, displacement 10 % of the body, contact pressure a tenth of E.
+/// Returns one warning for each body whose strain, displacement or contact pressure is too large, with the largest
+/// value and its position. Limits: principal strain 5 %, displacement 10 % of the body, contact pressure a tenth of E.
 std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results);
 
 /// "", or that a body is strained by more than 100 % and moves farther than it is long: whatever the grid, the loads

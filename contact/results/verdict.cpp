@@ -47,7 +47,7 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
 }
 
 /// Estimates the width of a zone so narrow that no boundary point of its bodies lies in it, although its faces end
-/// beside it: what its pieces have of the faces of their cells.
+/// beside it: the share of its groups in the faces of their cells.
 ZoneWidth width_between_points(const ContactPair& pair) {
   double area = 0, cells = 0, largest = 0;
   for (const ContactGroup& group : pair.groups) {

@@ -23,7 +23,7 @@ constexpr double nearly_flat = 0.9;
 constexpr double of_ellipse = 4 * pi, of_rectangle = 12, near_shape = 0.25;
 /// Cosine between planes of symmetry that are across each other; of curvatures, the larger one: no curvature.
 constexpr double across = 1e-6, no_curvature = 1e-6;
-/// Part of a body's size that is rounding; cells by which a face may miss its mirror image.
+/// Fraction of a body's size that is rounding; cells by which a face may miss its mirror image.
 constexpr double same_place = 1e-6, same_face = 0.01;
 /// Half the width of the zone over the smallest radius of curvature up to which Hertz's half-spaces stand for bodies.
 constexpr double largest_width = 0.5;
@@ -42,7 +42,7 @@ class Zone {
     lay_out();
   }
 
-  /// Counts the equal parts of the whole zone, those behind planes of symmetry included.
+  /// Counts the equal sectors of the whole zone, those behind planes of symmetry included.
   int parts() const { return askew_ ? 1 : 1 << planes_.size(); }
 
   ZonePlace place() const {
@@ -111,8 +111,8 @@ class Zone {
     return planes;
   }
 
-  /// Tells whether a plane of symmetry of the elastic body completes the rigid one too, which has no stress that would
-  /// need a support: it ends at the plane, or goes on behind it as the zone's mirror image.
+  /// Returns whether a plane of symmetry of the elastic body completes the rigid one too, which has no stress that
+  /// would need a support: it ends at the plane, or goes on behind it as the zone's mirror image.
   bool mirrors(const SymmetryPlane& plane, const BodyModel& rigid) const {
     const double size = longest_extent(rigid);
     Vec3 low, high;
@@ -144,7 +144,7 @@ class Zone {
     }
   }
 
-  /// Mean normal, centre and second moments per area, images included: mirrored parts take out what is not symmetric.
+  /// Computes mean normal, centre and second moments per area, images included, which cancel what is not symmetric.
   void lay_out() {
     double area = 0;
     Vec3 normal = Vec3::Zero();

@@ -8,13 +8,13 @@
 namespace cgcontact {
 namespace {
 
-/// Part of a cell: a place is part of a face when a contact point is as near as that.
+/// Fraction of a cell: a point is on a face when a contact point is as near as that.
 constexpr double point_spacing = 0.7;
-/// A place at the border of a cell is in it, part of the cell.
+/// Fraction of a cell: a point this near to the border of a cell is in it.
 constexpr double same_cell = 1e-6;
-/// Part of a cell: a place that moves by less is on the surface, and its normal that of the surface there.
+/// Fraction of a cell: a point that moves by less is on the surface, and its normal that of the surface there.
 constexpr double on_surface = 1e-9;
-/// Places along a cell, and along a patch at least, that are looked at for whose they are.
+/// Samples along a cell, and along a patch at least, to find the groups that they belong to.
 constexpr int samples_per_cell = 48, min_samples = 4;
 /// Per cell, along a zone that goes on behind symmetry planes at both ends.
 constexpr int patches_along = 2;
@@ -196,8 +196,8 @@ std::vector<int> ZonePatches::groups_near(int patch) const {
   return groups;
 }
 
-/// Parts of a patch by the groups whose cells hold some places spread over it; of several the nearest, where none
-/// does the nearest as well.
+/// Returns the shares of groups in a patch, by the cells that hold some points spread over it; of several the nearest,
+/// where none does the nearest as well.
 std::vector<std::pair<int, double>> ZonePatches::shares_of(int patch, const FacePlace& place, const Vec3& x,
                                                            const OppositePoint& opposite) const {
   std::vector<std::pair<int, double>> shares;

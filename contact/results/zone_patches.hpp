@@ -27,7 +27,7 @@ class ZonePatches {
 
   // By patch.
 
-  /// Groups and their parts of the patch, none: it is no part of both faces.
+  /// Returns groups and their shares of the patch, none: it is not on both faces.
   const std::vector<std::vector<std::pair<int, double>>>& shares() const { return shares_; }
   const std::vector<double>& distance() const { return distance_; }  ///< m, of the undeformed faces
   const std::vector<double>& cosine() const { return cosine_; }  ///< between the normals of the primary face and chart
@@ -51,7 +51,7 @@ class ZonePatches {
   struct Cell {
     Vec3 low, high;
     bool primary;
-    /// Tells whether it holds the place of the body that it belongs to.
+    /// Returns whether it holds the point of the body that it belongs to.
     bool holds(const Vec3& of_primary, const Vec3& of_secondary) const {
       const Vec3& x = primary ? of_primary : of_secondary;
       return (x.array() >= low.array()).all() && (x.array() <= high.array()).all();
@@ -72,7 +72,7 @@ class ZonePatches {
   FaceGrid grid_;
   std::optional<PointBuckets> points_;  ///< near_, by places_
   std::vector<Vec3> places_;
-  std::vector<int> nearest_;  ///< contact point nearest to each patch; -1: it is no part of the faces
+  std::vector<int> nearest_;  ///< contact point nearest to each patch; -1: it is on neither face
   std::vector<std::vector<std::pair<int, double>>> shares_;
   std::vector<double> distance_, cosine_;
   std::array<std::vector<double>, 2> height_;

@@ -17,8 +17,8 @@
 namespace cgcontact {
 namespace {
 
-/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells: a single row
-/// of open ones (the discrete pressure oscillates beside a peak) does not part it.
+/// Distance, cells, below which the closed areas' centres of two cells are of one zone: a single row of open ones (the
+/// discrete pressure oscillates beside a peak) does not separate it.
 constexpr double connected = 2.3;
 /// Zones that carry less of the pair's force are its noise.
 constexpr double relevant_part = 0.05;

@@ -9,19 +9,19 @@
 namespace cgcontact {
 
 struct ZoneWidth {
-  /// Cells (the larger ones of both bodies there) across the narrowest zone that carries a relevant part of the pair's
-  /// force, in the mean along that zone. None: no contact, or no open points beside it (the zone ends where a face
-  /// ends).
+  /// Cells (the larger ones of both bodies there) across the narrowest zone that carries a relevant fraction of the
+  /// pair's force, in the mean along that zone. None: no contact, or no open points beside it (the zone ends where a
+  /// face ends).
   std::optional<double> cells;
   double cell = 0;  ///< m, the size of these
 };
 
-/// One per pair. A zone is a connected set of closed cells; planes of symmetry of both bodies complete it. Its width at
-/// a point of its ridge is twice the distance from all open points, so that the ends of a face (and the faces of a
-/// plate one cell thick) do not count, made finer than whole cells by the spread of the transmitted forces along that
-/// direction; the mean over the ridge counts, as whole groups make some place of a long zone too wide. Of zones smaller
-/// than the cells it is the width that their law gives (small_zones.hpp). Needs the contact links with their pressures
-/// (Simulation::recover).
+/// Returns one per pair. A zone is a connected set of closed cells; planes of symmetry of both bodies complete it. Its
+/// width at a point of its ridge is twice the distance from all open points, so that the ends of a face (and the faces
+/// of a plate one cell thick) do not count, made finer than whole cells by the spread of the transmitted forces along
+/// that direction; the mean over the ridge counts, as whole groups make a long zone too wide in some positions. Of
+/// zones smaller than the cells it is the width that their law gives (small_zones.hpp). Needs the contact links with
+/// their pressures (Simulation::recover).
 std::vector<ZoneWidth> zone_widths(const SolvedState& state);
 
 }  // namespace cgcontact

@@ -6,7 +6,7 @@
 namespace cgcontact {
 namespace {
 
-/// Pressures below this part of the kappa terms are rounding.
+/// Fraction of the kappa terms: pressures below are rounding.
 constexpr double no_force = 1e-10;
 
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest

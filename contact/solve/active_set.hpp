@@ -18,7 +18,7 @@ void close_pressing_points(Iterate& iterate);
 /// That, and the zones smaller than the cells. decide: also which groups lie in them.
 void update_active_set(Iterate& iterate, bool decide);
 
-/// Opens the pairs that part as the loads move the bodies that contact does not balance; returns their names.
+/// Opens the pairs that separate as the loads move the bodies that contact does not balance; returns their names.
 std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& unbalanced);
 
 long long count_active(const std::vector<ContactPair>& pairs);

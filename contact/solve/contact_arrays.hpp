@@ -23,7 +23,7 @@ void take_values(const OuterProblem& problem, const SupportArrays<MemSpace>& sup
 DirectionArrays<MemSpace> support_places(const OuterProblem& problem);
 /// Gathers node and axis of each degree of freedom in the rows of the groups (GroupRows::dof_list).
 DirectionArrays<MemSpace> row_places(const OuterProblem& problem);
-/// Finds the place of each entry of the rows in GroupRows::dof_list.
+/// Finds the index of each entry of the rows in GroupRows::dof_list.
 IntView places_of_entries(const GroupRows& rows);
 
 /// Returns the nodes that supports (but those that plane strain stands for) and rows of groups act on.

@@ -16,7 +16,8 @@ constexpr double little_beyond = 1e-4, steady = 0.02;
 /// Largest other imbalance, relative to mu times that of the pressure, of a state that slides; more is a state still on
 /// its way.
 constexpr double most_else = 2;
-/// Part of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together nowhere.
+/// Fraction of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together
+/// nowhere.
 constexpr double least_common = 0.1;
 
 template <class View>

@@ -1,5 +1,5 @@
-/// One state of the outer iteration: displacements, rigid parts and lagged stresses, and the gaps and forces that
-/// follow from them.
+/// State of the outer iteration: displacements, rigid motions and lagged stresses, and the gaps and forces that follow
+/// from them.
 #pragma once
 
 #include <Kokkos_DualView.hpp>
@@ -34,14 +34,14 @@ struct Iterate {
   const ContactGroupArrays<MemSpace>& groups() const;
   const SupportArrays<MemSpace>& supports() const;
 
-  /// Along the direction of each support, m: of the rigid parts, and of all.
+  /// Return displacements along the direction of each support, m: of the rigid motions, and of all.
   RealView rigid_displacements() const;
   RealView support_displacements() const;
   /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
   std::vector<double> support_tractions() const;
 
-  /// Change of the mean gap of all contact groups, and after them slip of the rows of friction, m; without the
-  /// rigid parts, of any displacements (Scales::length).
+  /// Return the change of the mean gap of all contact groups, and after them slip of the rows of friction, m; without
+  /// the rigid motions, of any displacements (Scales::length).
   RealView gap_change() const;
   RealView gap_change_of(const RealView& displacements) const;
   std::vector<double> group_gap_change() const { return to_host(gap_change()); }
@@ -64,7 +64,7 @@ struct Iterate {
   void let_springs_follow();
 
   OuterProblem problem;
-  RealView u;  ///< without the rigid parts, Scales::length
+  RealView u;  ///< without the rigid motions, Scales::length
   RigidParts rigid_parts;
   FloatingBodies floating;
   SmallZones small_zones;

@@ -8,7 +8,7 @@
 namespace cgcontact {
 namespace {
 
-/// Stresses below this part of E u / h are rounding.
+/// Fraction of E u / h: stresses below are rounding.
 constexpr double no_stress = 1e-9;
 
 /// Square of the difference and of the new values, area-weighted.

@@ -31,7 +31,7 @@ double search_along_step(const LinearSolver& solver, const RealView& before, Ite
   Kokkos::parallel_for(
       "cgcontact::line_search::start", Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(along.size())),
       KOKKOS_LAMBDA(const int g) { start(g) -= along(g); });
-  // Slope of the energy along the step, at its part t; system units. curvature: of the energy with the closed contact.
+  // Slope of the energy at the fraction t of the step; system units. curvature: of the energy with the closed contact.
   const auto slope = [&](double t) {
     excess_forces(exec, groups, start, along, t, excess);
     friction.add_excess(groups, start, along, t, excess);

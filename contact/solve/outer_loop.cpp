@@ -23,8 +23,8 @@
 namespace cgcontact {
 namespace {
 
-/// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
-/// curved contact is as good as free.
+/// Motions that are resisted by less than this fraction of the rest are named when the solver fails: a body on one
+/// small curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
 /// Largest sliding of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most
 /// on the scenes of this repository, those that do not 4 to 400 (docs/decisions.md).
@@ -39,7 +39,8 @@ constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
 /// Relative change of the recovered stress below which closed points may slip (0.3 and 0.03 take as many iterations,
 /// docs/decisions.md).
 constexpr double sticks_until = 0.1;
-/// With friction the iteration may take so many times as long if the residual falls to this part in some iterations.
+/// With friction the iteration may take this many times as long if the residual falls to this fraction in some
+/// iterations.
 constexpr int longest = 4;
 constexpr std::size_t falls_in = 5;
 constexpr double falls_to = 0.8;

@@ -20,12 +20,12 @@ struct OuterStep {
   int iteration = 0;
   long long active_points = 0, changed_points = 0;
   double residual = 1;
-  double length = 1;  ///< part of the step that a line search left
+  double length = 1;  ///< fraction of the step that a line search left
   int linear_iterations = 0;
 };
 
 struct OuterResult {
-  RealView u;  ///< displacements of all bodies less their rigid parts, Scales::length; the next call overwrites them
+  RealView u;  ///< displacements of all bodies less their rigid motions, Scales::length; the next call overwrites them
   std::vector<RigidPart> rigid_parts;  ///< of each body
   int iterations = 0;
   std::vector<int> linear_iterations;

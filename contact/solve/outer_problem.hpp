@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// References stay valid outside. The iteration sets the state of the contact points, the rest position of springs that
-/// follow a motion, and the stiffness of the system's groups.
+/// The arguments must outlive this object. The iteration sets the state of the contact points, the rest position of
+/// springs that follow a motion, and the stiffness of the system's groups.
 struct OuterProblem {
   const Scene& scene;
   std::vector<BodyModel>& bodies;

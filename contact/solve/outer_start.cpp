@@ -12,7 +12,7 @@ namespace {
 /// Fraction of a pair's largest pressure below which a point is not closed. SPR-C leaves none outside of the zone.
 constexpr double presses = 1e-3;
 
-/// n . sigma* . d of the earlier solution at a place of a body, Pa; 0 beyond its cells.
+/// Returns n . sigma* . d of the earlier solution at a point of a body, Pa; 0 beyond its cells.
 double earlier_traction(const SolvedState& earlier, int body, const Vec3& x, const Vec3& n, const Vec3& d) {
   const CutCells& cells = earlier.bodies[body].cut_cells;
   const Vec3 position = cells.grid.to_grid(x);

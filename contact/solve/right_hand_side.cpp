@@ -9,7 +9,7 @@
 namespace cgcontact {
 namespace {
 
-/// Forces below this part of the kappa terms are rounding.
+/// Fraction of the kappa terms: forces below are rounding.
 constexpr double no_force = 1e-10;
 /// System units: squares of what is smaller lose the digits that the smallest linear tolerance asks for.
 const double least_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;

@@ -12,7 +12,8 @@ namespace {
 
 /// Factor on the outer iteration's kappa E/h at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
 constexpr double softer = 0.01;
-/// Part of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press it.
+/// Fraction of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press
+/// it.
 constexpr double along_faces = 1e-3;
 /// Fraction of the largest diagonal entry that is added: motions that nothing resists stay where they are.
 constexpr double regularisation = 1e-9;
@@ -91,7 +92,7 @@ double RigidBodies::scale() const {
   return sum;
 }
 
-/// open: part of their stiffness that open springs have.
+/// Returns a Newton step; open: fraction of their stiffness that open springs have.
 Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force, double open) const {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<Eigen::Matrix<double, 6, 6>> diagonal(load.size() / 6, Eigen::Matrix<double, 6, 6>::Zero());

@@ -17,12 +17,11 @@ namespace cgcontact {
 bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                    std::vector<ContactPair>& pairs);
 
-/// The rigid motions of all bodies that their own supports leave free. In the outer iteration their part of the
-/// unknowns is solved for with all contact points, closed and open: the active set follows from it, and what it closes
-/// carries the loads.
+/// Rigid motions of all bodies that their own supports leave free. In the outer iteration these unknowns are solved for
+/// with all contact points, closed and open: the active set follows from it, and what it closes carries the loads.
 class FloatingBodies {
  public:
-  /// References stay valid outside.
+  /// The arguments must outlive this object.
   FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                  const std::vector<ContactPair>& pairs);
   /// Returns whether supports, with those of bodies that are bonded to it, leave any body free.
@@ -33,7 +32,7 @@ class FloatingBodies {
 
   struct Balance {
     bool found = false;
-    std::vector<RigidMotion> motions;  ///< of each body, about the centre of its piece
+    std::vector<RigidMotion> motions;  ///< of each body, about the centre of its component
     FreeMotions unbalanced;            ///< if not found: the motion that nothing stops
   };
   /// Motions, from where the bodies are, that minimise the convex energy

@@ -1,7 +1,7 @@
-/// Motions without stress kept apart from the displacements that they are part of. A stiff body on a soft one moves by
-/// far more than it deforms: in one number the strain is lost in rounding (by ten digits of sixteen for moduli 1e6
-/// apart). The free expansion of a body by its temperature is such a motion as well: what is left strains the body as
-/// its stress does, so that nothing else knows of temperatures.
+/// Motions without stress, kept apart from the displacements. A stiff body on a soft one moves by far more than it
+/// deforms: in one number the strain is lost in rounding (by ten digits of sixteen for moduli 1e6 apart). The free
+/// expansion of a body by its temperature is such a motion as well: what is left strains the body as its stress does,
+/// so that nothing else knows of temperatures.
 #pragma once
 
 #include <vector>
@@ -22,7 +22,7 @@ struct RigidPart {
   }
 };
 
-/// The rigid parts of all bodies.
+/// Rigid motions of all bodies.
 class RigidParts {
  public:
   /// The meshes must outlive this.
@@ -36,11 +36,11 @@ class RigidParts {
   /// The same for kernels.
   Kokkos::View<const RigidPart*, MemSpace> on_device() const;
   /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
-  /// u into the parts.
+  /// u here.
   void set_aside(const ExecSpace& exec, const RealView& u);
   /// Adds the motion x -> translation + rotation x (x - centre), m, global axes, of one body.
   void move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre);
-  /// Bound of the displacements' components, u and rigid parts together, Scales::length.
+  /// Returns a bound of the displacements' components, u and rigid motions together, Scales::length.
   double largest_displacement(const ExecSpace& exec, const RealView& u) const;
 
  private:

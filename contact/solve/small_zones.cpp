@@ -16,7 +16,7 @@ namespace {
 constexpr double own_displacement = 0.946;
 /// Largest fraction of a force's change that the cells' own deformation may take.
 constexpr double largest_own_part = 0.8;
-/// Cells: what acts on the depth at one place as a zone does, not as cells see it: the next groups.
+/// Cells within which forces act on the local depth as a zone does, not as cells see it: the next groups.
 constexpr double zone_reach = 1.5;
 /// Samples serve until the overlap has grown or shrunk by that.
 constexpr double grown = 1.5, shrunk = 0.5;
@@ -248,8 +248,8 @@ std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vec
   return zones;
 }
 
-/// Groups of a zone that act on each other, with images in planes of symmetry: their places, and for each group those
-/// within reach.
+/// Groups of a zone that act on each other, with images in planes of symmetry: their positions, and for each group
+/// those within reach.
 struct SmallZones::Neighbours {
   struct Image {
     std::size_t group;  ///< of the zone

@@ -1,4 +1,4 @@
-/// Contact zones smaller than the cells, between bodies that are led: groups of cells' pieces press by their mean gap,
+/// Contact zones smaller than the cells, between bodies whose motions are prescribed: groups press by their mean gap,
 /// which such a zone hardly changes, so their force follows from the gap inside the group instead.
 ///
 /// Indentation of an elastic half-space by a convex punch of any shape: with V the volume and A the area in which the
@@ -33,7 +33,7 @@ enum class Led { no, held, squeezed };
 
 class SmallZones {
  public:
-  /// References stay valid outside.
+  /// The arguments must outlive this object.
   SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
              const SolverOptions& options);
 

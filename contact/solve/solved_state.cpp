@@ -12,7 +12,7 @@ Sym3 to_global(const SolvedState& state, int body, const double s[6]) {
   return voigt(R * tensor(local) * R.transpose());
 }
 
-/// Without the body's rigid part.
+/// Returns the displacements of a cell's corners without the body's rigid motion.
 void corner_displacements(const SolvedState& state, int body, int cell, double out[8][3]) {
   corner_values(state.system.meshes[body].cell_nodes[cell], state.outer.u, out);
 }
