@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 /// End of the work, the first byte that the child writes.
 enum class Ended : char { well, refused, out_of_memory, threw };
 
-/// Before the bytes, so that a child that ends early is told from one that has written all.
+/// Header before the bytes: distinguishes a child that ends early from one that has written all.
 struct Header {
   Ended ended = Ended::threw;
   std::uint64_t size = 0;

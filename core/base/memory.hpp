@@ -17,7 +17,7 @@ struct MemoryBudget {
 /// CGCONTACT_MEMORY_LIMIT (as for parse_memory; set by --memory-limit) replaces all of them. With several ranks: that
 /// of the rank with the least when the run began, or its share of a machine.
 MemoryBudget memory_budget();
-/// To be called by all ranks once they run.
+/// Agrees on the budget once the ranks run. Collective.
 void agree_on_memory();
 
 /// Explains how to lift the limit of address space (ulimit -v) of this process; empty without one.

@@ -1,4 +1,4 @@
-/// Several mistakes of one input, told together.
+/// Several mistakes of one input, reported together.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
-/// The processes ("ranks", MPI) that share one run. Without mpirun, and before and after MPI runs, there is one. Every
-/// function that exchanges is to be called by all ranks in the same order.
+/// Processes ("ranks", MPI) that share one run. Without mpirun, and before and after MPI runs, there is one. Every
+/// function that exchanges is collective, in the same order on all ranks.
 ///
-/// What is small beside the volume (scene, surfaces, contact) every rank has; what is computed from it by several ranks
+/// Every rank has what is small beside the volume (scene, surfaces, contact); what is computed from it by several ranks
 /// is cut into ranges, which are put together again (share_out, put_together). MPI itself is seen by ranks.cpp only,
 /// and Tpetra's maps know it.
 #pragma once
@@ -49,7 +49,7 @@ double largest_over_ranks(double value);
 /// Returns the first rank's value.
 double of_first_rank(double value);
 
-/// The error of another rank, which that one tells.
+/// Error of another rank, which reports it.
 struct OtherRankFailed : std::runtime_error {
   OtherRankFailed() : std::runtime_error("another rank failed") {}
 };
@@ -92,8 +92,8 @@ void put_together(std::vector<T>& all) {
 /// The same, of chunks of `grain` items that were shared out.
 void put_chunks_together(std::vector<double>& all, std::size_t grain);
 
-/// An exception on this rank: do all ranks have one (within a few seconds)? Then it is the same, one of them tells it,
-/// and all may end as usual. Otherwise the others wait in vain for this one.
+/// Returns whether all ranks have an exception, as this one (within a few seconds). Then it is the same, one of them
+/// reports it, and all may end as usual. Otherwise the others wait in vain for this one.
 bool failed_on_all_ranks();
 /// Ends all ranks at once.
 [[noreturn]] void abort_all_ranks(int exit_code);

@@ -22,8 +22,8 @@ double cpu_quota(const std::string& groups, const std::string& root);
 /// time), or if the system does not allow it. threads = 0: OMP_NUM_THREADS if set, else available_threads().
 void restart_with_openmp_settings(int threads, char** argv);
 
-/// An OpenMP runtime told to bind its threads has bound the calling one before main. Programs started from here would
-/// inherit its single CPU: this gives it back all CPUs of the process.
+/// Gives this thread back all CPUs of the process: an OpenMP runtime that binds its threads has bound the calling one
+/// before main, and programs started from here would inherit its single CPU.
 void undo_openmp_binding();
 
 }  // namespace cgcontact

@@ -45,7 +45,7 @@ std::vector<std::string> wrapped(const std::string& text, const std::string& fir
 /// Columns that a text in UTF-8 takes on a terminal.
 int columns_of(const std::string& text);
 
-/// A name of a scene (one byte per letter) in at most so many columns: its beginning and its end, with two dots
+/// Shortens a name of a scene (one byte per letter) to at most `columns`: its beginning and its end, with two dots
 /// between.
 std::string shortened_name(const std::string& name, int columns);
 

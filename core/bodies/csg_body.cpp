@@ -24,7 +24,7 @@ void require(bool condition, const char* problem) {
   if (!condition) throw InputError(std::string(problem));
 }
 
-/// Do the surfaces coincide? `opposite` tells whether their inner sides are opposite ones.
+/// Returns whether the surfaces coincide; sets `opposite` if their inner sides are opposite ones.
 bool coincide(const Surface& a, const Surface& b, double length, bool& opposite) {
   if (a.kind != b.kind) return false;
   opposite = false;

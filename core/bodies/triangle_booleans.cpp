@@ -252,7 +252,7 @@ class Faceting {
     return round_bar(foot - length * axis, foot + length * axis, axis, cylinder.radius, cylinder.radius, face);
   }
 
-  /// The half of a cone that bodies have, as far as it is of interest.
+  /// Makes the half of a cone that bodies have, as far as it is of interest.
   Operand half_cone(const Surface& cone, int face) {
     const double middle = height(cone, place_.centre), length = 2 * place_.radius;
     if (middle + length <= 0) return Operand();

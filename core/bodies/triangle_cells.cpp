@@ -173,8 +173,8 @@ class SliverIntegrals {
  private:
   static constexpr int lanes = 8;
   static constexpr int sliver_points_across = 2;  // polynomials of degree 4 hardly vary across a sliver
-  /// A cell with less than so many times what its slivers take away is thin: what they take outside of the cell may be
-  /// a twentieth of the rest.
+  /// Ratio of a cell to what its slivers take away below which it is thin: what they take outside of the cell may be a
+  /// twentieth of the rest.
   static constexpr double thin = 5;
   using Lanes = std::array<double, lanes>;
 

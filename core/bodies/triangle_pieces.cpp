@@ -28,8 +28,8 @@ constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128
 /// Areas (cell units) from which facets of patches with more planes get the full rule, a rule of degree 2.
 constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
-/// On a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); from so many
-/// triangles on they are small, and rules on them need two degrees less.
+/// Limits for a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); triangles
+/// from which on they are small, and rules on them need two degrees less.
 constexpr int few_points = 60, many_triangles = 15;
 /// Degrees that a rule on a triangle with a bent rim has more than one on a straight one.
 constexpr int bend_degrees = 4;

@@ -58,8 +58,8 @@ const CadKernel& kernel() {
   return loaded;
 }
 
-// OpenCASCADE reads, checks or divides a hundred faces or more in a second of the processor; ten times as long is no
-// end. Beside others it may take longer, but a small file on which it hangs is given up within a minute all the same.
+// Time limits: OpenCASCADE reads, checks or divides a hundred faces or more in a second of the processor; ten times as
+// long is no end. Beside others it may take longer, but a small file on which it hangs is given up within a minute.
 constexpr double least_cpu_seconds = 15, cpu_seconds_per_face = 0.1;
 constexpr double least_seconds = 45, seconds_per_face = 0.25;
 constexpr double least_bytes = 4e9, memory_per_face = 1e6;

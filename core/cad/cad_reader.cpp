@@ -38,7 +38,7 @@ namespace cgcontact {
 
 namespace {
 
-/// OpenCASCADE tells the standard output what it does, unless it is told not to.
+/// Stops OpenCASCADE's messages on the standard output.
 void be_quiet() {
   static std::once_flag once;
   std::call_once(once, [] {

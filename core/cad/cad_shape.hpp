@@ -14,7 +14,7 @@ struct CadModel::Shape {
   TopTools_IndexedMapOfShape faces;  ///< in the order of CadModel::faces
 };
 
-/// The faces of a shape with what can be told from their geometry; names and colours are empty.
+/// Makes the model of a shape from its geometry; names and colours are empty.
 CadModel make_cad_model(const TopoDS_Shape& solid);
 
 /// Solids as bytes, and back: the same shapes, faces in the same order.

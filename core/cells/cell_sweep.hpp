@@ -38,7 +38,7 @@ class CellSweep {
   virtual void sweep(std::size_t part, SweptCells& found) const = 0;
 };
 
-/// The sweep of bodies that tell the side of a block of cells (BodyGeometry::side_of_block) and integrate single cells.
+/// Sweep of bodies that know the side of a block of cells (BodyGeometry::side_of_block) and integrate single cells.
 class CellByCell : public CellSweep {
  public:
   /// Appends what one cell that the boundary may cross holds.

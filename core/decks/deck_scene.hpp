@@ -7,9 +7,9 @@
 
 namespace cgcontact {
 
-/// As init_scene, of the deck options.file: a scene, and a surface file for each body beside it, none of which may
-/// exist yet. Returns what to tell the user: also what of the deck is not taken over, and what `find_fault` says.
-/// Throws InputError; nothing is written then.
+/// Writes the scene of the deck options.file as init_scene does, and a surface file for each body beside it, none of
+/// which may exist yet. Returns remarks for the user: also what of the deck is not taken over, and what `find_fault`
+/// says. Throws InputError; nothing is written then.
 std::string init_deck(const InitOptions& options, const FindFault& find_fault = {});
 
 }  // namespace cgcontact

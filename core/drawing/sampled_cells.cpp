@@ -14,7 +14,8 @@ namespace cgcontact {
 
 namespace {
 
-/// Sizes of a block: nearer to a zone than so many it is not joined with others. The next one where too many stay.
+/// Distances from a zone, in sizes of a block, below which it is not joined with others. The next one where too many
+/// stay.
 constexpr double nearness[] = {2, 1, 0.5, 0};
 /// Levels of blocks above the largest cells.
 constexpr int levels_above = 6;

@@ -47,7 +47,7 @@ class BodyGeometry {
   /// Returns the image of a prism along an axis under x[axis] -> factor * x[axis] + shift (factor > 0). Throws
   /// InputError if a surface is neither along the axis nor across it, or lies across it between the prism's ends.
   virtual std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const = 0;
-  /// Box that contains it; false if it is unbounded as far as can be told.
+  /// Finds a box that contains the body; false if none is known.
   virtual bool bounding_box(Vec3& min, Vec3& max) const = 0;
   /// Returns whether x is inside or on the boundary.
   virtual bool contains(const Vec3& x) const = 0;

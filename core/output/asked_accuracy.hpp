@@ -18,7 +18,7 @@ struct AskedError {
 
 std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy);
 
-/// "0.783 %": with the digits that tell an estimate from its target.
+/// Formats "0.783 %": with the digits that distinguish an estimate from its target.
 std::string fine_percent(double fraction);
 
 /// "4 solves, 19.4 s".

@@ -55,7 +55,7 @@ std::string drawable_text(const std::string& text);
 /// Letters of a name in a legend, so that a plot keeps its width.
 constexpr int longest_entry = 24;
 
-/// Height in pixels of a font of so many points in the terminal pngcairo; in svg points are pixels.
+/// Returns the height in pixels of a font in the terminal pngcairo; in svg points are pixels.
 constexpr double png_pixels(double points) { return points * 4 / 3; }
 
 /// About the width in pixels of a text in a font of that height.

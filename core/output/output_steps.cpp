@@ -12,7 +12,7 @@ namespace cgcontact {
 
 namespace {
 
-/// So many steps at most get a picture, evenly spread, the last one among them: all of them lie on the page.
+/// Most steps with a picture, evenly spread, the last one among them: all of them lie on the page.
 constexpr std::size_t most_pictures = 20;
 
 bool has_picture(std::size_t number, std::size_t num_steps) {

@@ -94,7 +94,7 @@ ChildOutcome ChildRunner::run(const std::string& program, const std::vector<std:
     const int status = wait(child);
     if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
     if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-    if (outcome.signal == SIGINT && stop_signal_ == 0) stop_signal_ = SIGINT;  // a terminal tells all of us
+    if (outcome.signal == SIGINT && stop_signal_ == 0) stop_signal_ = SIGINT;  // a terminal signals all of us
   }
   close(pipe[0]);
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

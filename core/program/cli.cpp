@@ -414,7 +414,7 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv,
     if (argc == 2 || find_command(parser.app, argv[2])) words.push_back("--help");
     return parse_command_line(static_cast<int>(words.size()), words.data(), exit_code);
   }
-  const bool silent = ranks_of_mpirun().second > 0;  // the first rank tells it
+  const bool silent = ranks_of_mpirun().second > 0;  // the first rank reports it
   std::ostream nowhere(nullptr);
   exit_code = 0;
   std::string mistake;

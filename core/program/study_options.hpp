@@ -16,7 +16,7 @@ struct StudyOptions {
   std::vector<std::string> preconditioners;    ///< empty: the scene's
   std::vector<int> threads;                    ///< empty: as the environment says
   std::vector<Backend> backends;               ///< empty: this program
-  int repeat = 1;                              ///< the fastest of so many runs counts
+  int repeat = 1;                              ///< number of runs, of which the fastest counts
   bool keep = false;                           ///< the results of the runs
   bool resume = false;                         ///< take over finished runs of an earlier study
 };

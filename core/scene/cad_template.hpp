@@ -25,9 +25,9 @@ class CadTemplate {
   };
   std::optional<Single> single() const;
 
-  /// Each solid is a body, solids that touch or nearly touch are contact pairs, what touches nothing is held; what the
-  /// file does not say is marked TODO. `file`: the scene; `state`: does it run? Appends to `told` what to tell the
-  /// user.
+  /// Returns a scene: each solid is a body, solids that touch or nearly touch are contact pairs, what touches nothing
+  /// is held; what the file does not say is marked TODO. `file`: the scene; `state`: whether it runs. Appends remarks
+  /// for the user to `told`.
   std::string scene(const std::string& file, const std::string& state, std::string& told) const;
 
   /// Lines that say what was repaired and what was left out, or nothing.

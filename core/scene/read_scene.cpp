@@ -116,8 +116,8 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
   }
 }
 
-/// Parameters as the file has them, before overrides; none where they cannot be read, which is told afterwards unless
-/// the overrides mend it.
+/// Returns parameters as the file has them, before overrides; none where they cannot be read, which is an error later
+/// unless the overrides mend it.
 Constants parameters_in_file(const toml::table& document, const std::string& file) try {
   const SceneText text{file, {}};
   const auto parameters = TomlCursor(document, "", text).find("parameters");

@@ -20,8 +20,9 @@ namespace cgcontact {
 namespace {
 
 constexpr double mm = 1e-3;
-constexpr double first_cells = 20;          // along the longest side, of a body without cell_size
-constexpr double most_cells_across = 2000;  // cells smaller than the body by more are a mistake that is told elsewhere
+constexpr double first_cells = 20;  // along the longest side, of a body without cell_size
+constexpr double most_cells_across =
+    2000;  // smaller cells, relative to the body, are a mistake that is reported elsewhere
 constexpr double radius_tolerance = 1e-4;
 constexpr int colour_tolerance = 2;  // of 255: what rounding in the file makes of it
 

@@ -24,14 +24,14 @@ constexpr int fewest_init_cells = 4, most_init_cells = 200;
 /// Function that finds what keeps a scene (its text, the name of its file) from running; "": nothing.
 using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;
 
-/// Writes the scene, which must not exist yet, and returns what to tell the user: also that it does not pass
+/// Writes the scene, which must not exist yet, and returns remarks for the user: also that it does not pass
 /// `find_fault`, neither with [accuracy] nor with cells of any of several sizes. Throws InputError.
 std::string init_scene(const InitOptions& options, const FindFault& find_fault = {});
 
 /// An integer from fewest_init_cells to most_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);
 
-/// Tells by its name whether a file is an input deck of CalculiX or Abaqus (.inp), which core/decks reads.
+/// Returns by its name whether a file is an input deck of CalculiX or Abaqus (.inp), which core/decks reads.
 bool is_deck(const std::string& file);
 
 /// Throws InputError for a name that a scene cannot hold.

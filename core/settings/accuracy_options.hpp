@@ -43,7 +43,7 @@ struct AccuracyOptions {
   // Constants of the method (docs/adaptivity.md).
 
   /// First grid without cell_size: cells over the mean thickness (twice the volume over the surface; a third of a
-  /// cube's side), and at most so many in a body.
+  /// cube's side), and their largest number in a body.
   double first_cells_through = 2.7, most_first_cells = 40000;
   /// Growth of the cells with the distance from the contact zone.
   double grading = 0.25;

@@ -14,7 +14,7 @@ struct ContactOptions {
   /// A pair sees its closest points and that much beyond them, of the larger cells and of the smaller body's longest
   /// extent, whichever is more. Approaches larger than that are found after the solve (Simulation::run).
   double reach_in_cells = 2, reach_in_extents = 0.05;
-  /// Bonded faces are tied up to so many of the larger cells apart; from `bond_gap` of them on with a warning.
+  /// Gap of bonded faces, in the larger cells, up to which they are tied; from `bond_gap` on with a warning.
   double bond_reach = 0.25, bond_gap = 0.01;
   /// Largest overlap relative to the smaller body's longest extent: small strain is off by as much.
   double largest_overlap = 0.1;

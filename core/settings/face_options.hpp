@@ -9,7 +9,7 @@ namespace cgcontact {
 struct FaceOptions {
   /// Patches per cell along the zone at most, in plane strain and in 3D; wide zones have fewer.
   int patches_per_cell_2d = 16, patches_per_cell_3d = 12;
-  /// So far beyond the closed groups open ones tell of the far field.
+  /// Distance beyond the closed groups within which open ones count for the far field.
   double reach = 4;
   /// Bounds of how short the far field's details are: as long as the groups' mean gaps allow, which are off by a
   /// fraction `gap_error` of what the compliance's curvature and the pressure change them by in a cell.

@@ -113,7 +113,7 @@ std::string lower(std::string_view word) {
 /// Groups of facets, which begin one after the other and last until the next ones begin.
 class GroupReader {
  public:
-  /// After so many facets.
+  /// Begins a group after `facets` facets.
   void begin(const std::vector<std::string>& names, int facets, TriangleSoup& soup) {
     finish(facets, soup);
     names_ = names;

@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// Tells by its name whether a file is one of these: .stl, .obj, .ply, .off.
+/// Returns by its name whether a file is one of these: .stl, .obj, .ply, .off.
 bool is_triangle_file(const std::string& file);
 
 /// Coordinates as they stand in the file. Corners of STL facets with equal coordinates are one point. Polygons are
