@@ -1,5 +1,5 @@
 /// Degrees of freedom of a node: the three components of its displacement in grid axes, node by node. Whatever turns
-/// nodes into degrees of freedom or back goes through here; which nodes there are is told by DofMap.
+/// nodes into degrees of freedom or back goes through here; DofMap defines the active nodes.
 #pragma once
 
 #include <Kokkos_Core.hpp>

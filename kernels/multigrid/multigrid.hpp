@@ -29,7 +29,7 @@ struct MultigridSettings {
   double coarse_ghost = 0.1;      ///< ghost penalty of coarse levels, in terms of that of the finest
   bool firm_holds = false;        ///< coarse grids hold firmly what contact alone holds (RigidCoarseSpace)
   int coarsest_unknowns = 1000;   ///< coarsening stops below
-  /// Or so many per body: many bodies keep more, and levels that hardly shrink cost as much as those above.
+  /// Alternatively per body: many bodies keep more, and levels that hardly shrink cost as much as those above.
   int coarsest_unknowns_per_body = 200;
   int shared_unknowns = 20000;  ///< of several ranks: grids of more are divided, the others every rank has
 };
@@ -44,7 +44,7 @@ struct MultigridReport {
 
 class Multigrid : public TpetraOperator {
  public:
-  /// The system must outlive the hierarchy. Every rank has it whole; called by all ranks.
+  /// Builds the hierarchy; the system, whole on every rank, must outlive it. Collective.
   explicit Multigrid(const ElasticSystem& system, const MultigridSettings& settings = {});
   ~Multigrid() override;
 

@@ -34,7 +34,7 @@ class SurfaceSmoother {
 
   /// blocks: node blocks of the operator without contact groups; what the support rows have in them is taken out.
   /// columns: with the blocks between their nodes. The matrices of the columns become their inverses. supports:
-  /// make_support_rows. Of several ranks: rows have entries at own nodes only, and what follows is called by all ranks.
+  /// make_support_rows. On several ranks: rows have entries at own nodes only, and what follows is collective.
   SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns,
                   SupportRows supports);
 

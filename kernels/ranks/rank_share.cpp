@@ -37,7 +37,7 @@ CutCells restricted(const CutCells& cells, const std::vector<char>& keep) {
   return part;
 }
 
-/// Chooses the cells of a rank, and tells which of their nodes it uses.
+/// Choice of a rank's cells and of the nodes that they use.
 class CellChoice {
  public:
   CellChoice(const ElasticSystem& whole, const std::vector<char>& needed, const std::vector<char>& more)
