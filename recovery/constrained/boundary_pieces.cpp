@@ -13,7 +13,7 @@ namespace cgcontact {
 namespace {
 
 /// Pieces smaller than this (standard deviation, cells of the patch) get one constraint point along that direction: a
-/// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
+/// stretch of 0.1 cells, below which three points differ by less than the fit resolves.
 constexpr double min_spread = 0.1 / 3.4641016151377544;
 
 /// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its

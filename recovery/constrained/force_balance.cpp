@@ -22,7 +22,7 @@ constexpr double pass_variance = 1. / 3;
 /// Gaussian.
 constexpr double most_passes = 192;
 constexpr int implicit_steps = 4;
-/// Forces of patches that carry no pressure go to others within so many cells.
+/// Cells within which forces of patches that carry no pressure go to others.
 constexpr int steps_aside = 2;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
@@ -535,7 +535,7 @@ std::vector<Vec6> stresses_of_tractions(const RecoveryBody& body, PairFace& face
   return stress;
 }
 
-/// The same for the traction of a bonded pair, component by component; what scatters is told by the whole of it.
+/// Balances the traction of a bonded pair, component by component; what scatters is decided by its magnitude.
 void balance_bond(const RecoveryBody& body, int pair, const RecoveredField& field, const Scales& scales,
                   const BalanceOptions& options, PatchStates& states) {
   const CutCells& cc = *body.mesh->cut_cells;

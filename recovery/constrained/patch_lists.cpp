@@ -96,8 +96,8 @@ ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Ve
   return edge;
 }
 
-/// Tells how a pair stands in the last patch of the lists; adds the term of the edge of a zone with a known pressure if
-/// it is near and the patch has none yet.
+/// Returns the mode of a pair in the last patch of the lists; adds the term of the edge of a zone with a known pressure
+/// if it is near and the patch has none yet.
 ContactMode mode_of_pair(const PatchContext& context, const PairState& state, const ListPart<int>& cells,
                          PatchLists& lists) {
   const std::size_t patch = lists.size() - 1;

@@ -50,7 +50,8 @@ struct PatchLists {
   const PairState& other(std::size_t i) const { return pairs[i][coupled[i]]; }
 };
 
-/// Cells that the polynomial of a node is fitted to, ascending: its patch, and so many rings of cells around the node.
+/// Finds the cells that the polynomial of a node is fitted to, ascending: its patch, and its rings of cells around the
+/// node.
 void fit_cells(const RecoveryBody& body, int node, PatchPolynomial polynomial, std::vector<int>& cells);
 
 /// Appends the patch of a node. Work space is kept by thread.

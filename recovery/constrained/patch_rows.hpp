@@ -13,7 +13,8 @@ template <int bodies>
 struct RowList {
   std::vector<FitRow<bodies>> rows;
   std::vector<char> firm;  ///< hold to rounding, whatever the other rows ask for: no pressure on an open face
-  std::vector<std::pair<int, int>> open_sides;  ///< nodes with pressure and surfaces that are open there all the same
+  std::vector<std::pair<int, int>>
+      open_sides;  ///< nodes with pressure and contact surfaces that stay traction-free there
 
   void clear() { rows.clear(), firm.clear(), open_sides.clear(); }
 };

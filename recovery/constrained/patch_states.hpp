@@ -20,7 +20,7 @@ struct PatchStates {
   std::vector<std::pair<int, int>>
       pressed;                             ///< free nodes and the pairs that their patches carry pressure of; ascending
   std::vector<std::pair<int, int>> known;  ///< those of `pressed` whose pressure was given as a load
-  std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and the surfaces that are open there all the same
+  std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and contact surfaces that stay traction-free there
 
   /// Brings the lists into the order that is asked for below.
   void sort() {

@@ -90,8 +90,8 @@ std::vector<T> gather(const std::vector<T>& own) {
   return all;
 }
 
-/// The same on several ranks: each solves every so many groups of neighbouring patches, and all take over what all have
-/// found. The edge of a contact zone in a patch, of which there are few, every rank finds again.
+/// Recovers on several ranks: groups of neighbouring patches are interleaved over the ranks, and all take over all
+/// results. Every rank finds again the edge of a contact zone in a patch, of which there are few.
 void recover_patches_by_rank(const PatchContext& context, const std::vector<int>& nodes,
                              const std::vector<PatchPolynomial>& polynomials, PatchResults& results) {
   constexpr std::size_t group = 64;

@@ -66,7 +66,7 @@ struct FaceGrid {
     }
     return at[0] * size[1] + at[1];
   }
-  /// The patches so many steps before and after another one along an axis, as `beyond` has them.
+  /// Returns the patches `steps` before and after another one along an axis, as `beyond` has them.
   std::array<int, 2> beside(int patch, int axis, int steps = 1) const {
     std::array<int, 2> forward{0, 0}, backward{0, 0};
     forward[axis] = steps;

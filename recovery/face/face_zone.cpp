@@ -181,7 +181,7 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
 }
 
 /// Returns the fraction of the pressure that means over cells may hide around an axis of revolution: a narrow zone has
-/// two or three of them, and no variant of the far field tells that they are means. Within a cell a profile as wide as
+/// two or three of them, and no variant of the far field shows that they are means. Within a cell a profile as wide as
 /// the zone is off by (h / half width)^2 / 24.
 double part_within_means(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;

@@ -38,9 +38,9 @@ struct FaceZone {
 struct FacePressure {
   FaceGrid grid;
   std::vector<double> square;  ///< Pa^2, at the patches; negative outside of the zone
-  /// Pa, at the patches: what the pressure changes by when what no solution tells is taken otherwise. That is how short
-  /// the far field's details are (15 % shorter), how much stiffness the cells lack (half as much), and, where the faces
-  /// turn within a cell, what varies within one.
+  /// Pa, at the patches: change of the pressure with what no solution shows: how short the far field's details are (15
+  /// % shorter), how much stiffness the cells lack (half as much), and, where the faces turn within a cell, what varies
+  /// within one.
   std::vector<double> error;
   FaceSolution solution;  ///< on the finest patches
   /// Pa, bilinear in the square; zero outside.
