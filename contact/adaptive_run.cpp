@@ -29,12 +29,12 @@ constexpr double worth_a_solve = 1.2;
 constexpr double first_exploration = 2.5e5;
 /// Unknowns of each cell: a node of its own, or two that share the components in the plane.
 constexpr double least_unknowns_per_cell = 3, least_in_plane_strain = 2;
-/// Cells of a grid that was refused become so many times larger.
+/// Growth of the cells of a grid that was refused.
 constexpr double refused_growth = 1.5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
 constexpr double step = 1.03;
-/// So many times as many unknowns must make the estimated errors smaller: in three dimensions less than half of the
-/// size of all cells.
+/// Ratio of unknowns that must make the estimated errors smaller: in three dimensions less than half of the size of all
+/// cells.
 constexpr double worth_a_fall = 10;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
 constexpr double dearer = 1.2;
@@ -166,7 +166,7 @@ double AdaptiveRun::allowed_unknowns() const {
   return std::min(in_time, options.max_unknowns);
 }
 
-/// s, to make cells for so many unknowns, as the last grid took.
+/// Estimates the time to make cells for `unknowns`, s, by that of the last grid.
 double AdaptiveRun::seconds_of_cells(double unknowns) const {
   if (figures_.solves.empty()) return 0;
   return seconds_of_phases(simulation_->results, {"cut cells"}) / static_cast<double>(simulation_->results.unknowns) *

@@ -32,7 +32,7 @@ class AdaptiveRun {
   /// Throws InputError for what a single run would refuse on the first grid.
   void run(const AdaptiveCallbacks& callbacks);
 
-  /// The solve that AccuracyFigures::answer says; Results::accuracy tells of all.
+  /// Returns the solve that AccuracyFigures::answer names; Results::accuracy has all.
   Simulation& simulation() { return *simulation_; }
   /// Its scene: with its grids.
   const Scene& scene() const { return *scene_; }
@@ -63,7 +63,7 @@ class AdaptiveRun {
     std::unique_ptr<Simulation> simulation;
     std::size_t number = 0;
     double factor = 0;             ///< its errors over their targets
-    std::size_t num_energies = 0;  ///< so many of energies_ are up to it; once those are gone:
+    std::size_t num_energies = 0;  ///< number of energies_ up to it; once those are gone:
     std::vector<std::vector<CellEnergies>> energies = {};
   };
 

@@ -80,7 +80,7 @@ int check(const Scene& given, const CommandLine& options) {
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
   const Scene scene = on_first_grids(given);
-  Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is described all the same
+  Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is still described
   CheckFiles drawn;
   if (!options.out.empty()) {  // before the checks: the picture shows what may be wrong
     progress.begin_phase("drawing");
@@ -184,7 +184,7 @@ std::string fault_of(const std::string& text, const std::string& file) try {
   return error.what();
 }
 
-/// Tells an error in one line, or mistakes in a line for each; of several ranks one tells it for all. If it is this
+/// Reports an error in one line, or mistakes in a line for each; of several ranks one reports it for all. If it is this
 /// rank's alone, the others are ended.
 void tell_error(const std::vector<std::string>& lines) {
   const int rank = this_rank(), ranks = num_ranks();
@@ -194,7 +194,7 @@ void tell_error(const std::vector<std::string>& lines) {
       fmt::print(stderr, "cgcontact: {}{}\n", of_all ? "" : fmt::format("rank {} of {}: ", rank, ranks),
                  printable(line));
   if (!of_all) abort_all_ranks(1);
-  failed_on_all_ranks();  // mpirun ends all as soon as one has ended: not before it is told
+  failed_on_all_ranks();  // mpirun ends all as soon as one has ended: not before it is reported
 }
 
 /// The exit code, once all that was printed has been written.

@@ -45,7 +45,7 @@ namespace {
 constexpr double nearly_one = 0.99;
 /// Cells: a motion along surfaces that is less is rounding.
 constexpr double at_rest = 1e-6;
-/// A pair that has to see farther is solved again; so many times at most.
+/// Most repeated solves of a pair that has to see farther.
 constexpr int most_extensions = 5;
 
 /// The shortest side of the bounding box along the grid's axes, and twice the volume over the free area: in the

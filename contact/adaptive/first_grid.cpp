@@ -23,7 +23,7 @@ Vec3 extent(const BodySpec& body, double across) {
   return extent;
 }
 
-/// Size of cells (grid coordinates) of which so many fill the body.
+/// Returns the size of cells (grid coordinates) of which `count` fill the body.
 double size_of_cells(const BodyModel& body, double count) {
   const Grid& grid = body.cut_cells.grid;
   const double filled = volume(body.cut_cells);

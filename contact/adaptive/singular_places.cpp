@@ -12,7 +12,7 @@ namespace {
 
 /// Cells: radius of the ball whose mean stress is followed from solve to solve.
 constexpr double ball = 1.5;
-/// Balls on the last grid: each so many times as large as the one before.
+/// Ratio of successive ball radii on the last grid; their number.
 constexpr double radius_factor = 1.6;
 constexpr int radii = 5;
 /// Positions no farther apart than this, in cells or as a fraction of the body's longest side, are one.
@@ -25,12 +25,12 @@ constexpr double least_volume = 0.1;
 /// edges, rims and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact
 /// zones: error up to 0.3, but a fall of -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
 constexpr double least_error = 0.25, least_fall = 0.15, least_growth = 0.15;
-/// Solves whose cells there are larger than so many of the last one say nothing of the exponent.
+/// Cells, of the last solve's there: solves with larger ones say nothing of the exponent.
 constexpr double largest_cell = 40;
-/// Cells there must have become so many times smaller.
+/// Least refinement of the cells there.
 constexpr double least_refinement = 2;
-/// Does it grow to the end? Told from cells so many times as large as those of the last solve: where an edge lies in
-/// its cells changes the measure by up to 1.3.
+/// Largest ratio of cells to those of the last solve for the final growth rate: where an edge lies in its cells changes
+/// the measure by up to 1.3.
 constexpr double end_refinement = 2.5;
 
 /// Cosine of the angle by which a surface may turn in the ball: 30 degrees in three cells, a radius of six cells.

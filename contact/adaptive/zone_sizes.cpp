@@ -19,7 +19,7 @@ constexpr double half_square_diagonal = 0.71;
 /// Largest refinement at once where the position of a zone is known.
 constexpr double most_narrowing = 1000;
 
-/// Cells across a zone below which its closed groups hardly tell where it is and how wide.
+/// Cells across a zone below which its closed groups hardly show its position and width.
 constexpr double about_a_cell = 2.5;
 
 /// Growth of the local cell size from one grid to the next.

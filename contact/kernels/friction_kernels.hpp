@@ -145,7 +145,7 @@ void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, cons
 template <class Memory>
 KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction, int f, double k, const double slip[2],
                                          double force[2], double stiffness[3]) {
-  constexpr double held = 1e-4;  // docs/decisions.md: less converges sooner close to sliding, and tells it less well
+  constexpr double held = 1e-4;  // docs/decisions.md: less converges sooner close to sliding, but shows it less well
   for (int i = 0; i < 2; ++i) force[i] = 0;
   for (int i = 0; i < 3; ++i) stiffness[i] = 0;
   for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {

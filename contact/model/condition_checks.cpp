@@ -84,7 +84,7 @@ void check_support_on_contact(const Scene& scene, int s, const BodyModel& body, 
           "of the body declares a part away from the contact, which can be held");
 }
 
-/// A load on tied faces would be a jump of the traction, which nothing tells from one body to the other.
+/// Rejects a load on tied faces: a jump of the traction, which no body could be given.
 void check_load_on_bond(const Scene& scene, const LoadSpec& load, const BodyModel& body,
                         const std::vector<ContactPair>& pairs) {
   const BodyFace face(load.face.face, body);

@@ -81,7 +81,7 @@ class Sampler {
       l.samples[k] = sample(s + ((k & 1) - 0.5) * 0.5 * size, t + ((k >> 1) - 0.5) * 0.5 * size);
     const bool all = std::all_of(l.samples, l.samples + 4, [](const Leaf::Sample& sample) { return sample.hit; });
     // To the farthest point of its quarter, or of the leaf where other samples miss the bodies: there an edge or a tip
-    // ends, and what lies beside the leaf tells how deep.
+    // ends, and what lies beside the leaf gives the depth.
     for (const Leaf::Sample& sample : l.samples) l.see(sample, (all ? 1 : 3) * size * std::sqrt(2.0) / 4);
     if (all) return l;
     for (int k = 0; k < 16; ++k) {
@@ -119,7 +119,7 @@ class Sampler {
     std::optional<Crossing> own;
     bool inside = false;
     for (const Crossing& c : crossings) {
-      // Other surfaces of the face, too: beside an edge or a corner they tell how deep the group's own one may lie.
+      // Other surfaces of the face, too: beside an edge or a corner they show how deep the group's own one may lie.
       if (c.normal.dot(direction) < least_facing_cosine) continue;
       if (own && std::abs(c.t) >= std::abs(own->t)) continue;
       const Vec3 y = start + c.t * direction;

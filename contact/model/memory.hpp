@@ -27,7 +27,7 @@ struct PointNumbers {
 
 /// Other numbers that it depends on.
 struct MemoryExtras {
-  std::optional<PointNumbers> points;  ///< unknown: as many as most scenes have on so many cut cells
+  std::optional<PointNumbers> points;  ///< unknown: as many as most scenes have on that number of cut cells
   bool pictures = true;
   bool pictures_of_steps = false;
   bool fields_beside_pictures = false;  ///< VTK files are made at the same time: on several threads

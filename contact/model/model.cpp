@@ -130,7 +130,7 @@ void find_resultants(const Scene& scene, int body, BodyModel& model) {
     const LoadSpec& load = scene.loads[l];
     if (load.face.body != body || !load.has_resultants()) continue;
     const FaceMoments moments = moments_of(load.face.face, model);
-    if (!(moments.area() > 0)) continue;  // told as a face without points
+    if (!(moments.area() > 0)) continue;  // reported as a face without points
     try {
       // A force along an axis of revolution has no moment about any point.
       model.resultants[l] = model.spec->axisymmetric()
@@ -150,7 +150,7 @@ void measure_supported_faces(const Scene& scene, int body, BodyModel& model) {
     const SupportSpec& support = scene.supports[s];
     if (support.face.body != body || !(support.is_cylindrical() || support.is_elastic())) continue;
     const FaceMoments moments = moments_of(support.face.face, model);
-    if (!(moments.area() > 0)) continue;  // told as a face without points
+    if (!(moments.area() > 0)) continue;  // reported as a face without points
     const auto axis = support.axis || !support.is_cylindrical() ? support.axis : moments.axis();
     if (support.is_cylindrical() && !axis)
       throw InputError(support.place, in_quotes(model.spec->name + "." + support.face.face.name),

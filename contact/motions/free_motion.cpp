@@ -13,7 +13,7 @@ namespace {
 /// A single motion that rotates by less than this fraction of what it moves is a translation in words: the centre of a
 /// body's cells is not that of the body.
 constexpr double mostly = 0.1;
-/// Boundary points among which the held ones are chosen: of all bodies, but at least so many of each.
+/// Number of boundary points among which the held ones are chosen: of all bodies, and least of each.
 constexpr std::size_t most_candidates = 3000, fewest_candidates = 12;
 
 /// Columns that span the null space of a matrix whose singular values are of order 1 or zero.

@@ -13,7 +13,7 @@
 namespace cgcontact {
 namespace {
 
-/// Pressure is at most so many cells beyond the closed groups: they close when their mean gap does.
+/// Cells beyond the closed groups in which there may be pressure: they close when their mean gap does.
 constexpr double beyond_closed = 1.25;
 /// Length of the details of a face made of triangles, in facets: waves as long as a facet are a thousandth as high with
 /// it, (2 pi / 2)^-6.

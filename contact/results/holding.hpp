@@ -1,5 +1,5 @@
 /// Motions that the scene leaves free are held (contact/motions, contact/solve/surface_wanderers.hpp): exact contact
-/// does no work on them, so that what holds them takes no force. What it takes all the same is an error of the cells.
+/// does no work on them, so that what holds them takes no force. What it still takes is an error of the cells.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

@@ -8,7 +8,7 @@
 namespace cgcontact {
 namespace {
 
-/// Zones whose closed groups are so many cells farther apart than the reach of a problem have problems of their own.
+/// Cells beyond the reach of a problem by which closed groups are apart in zones with problems of their own.
 constexpr double apart = 1;
 
 }  // namespace

@@ -21,8 +21,8 @@ struct SpringShare {
 /// none of them. Needs the figures of pairs and supports and the balance.
 std::vector<SpringShare> spring_shares(const SolvedState& state, const Results& results);
 
-/// Tells the largest share in the verdict, unless the run did not converge, and others as warnings. From
-/// ResultOptions::largest_hold on it is one that the verdict cannot be good with.
+/// Writes the largest share to the verdict, unless the run did not converge, and others as warnings. From
+/// ResultOptions::largest_hold on the verdict cannot be good.
 void tell_spring_shares(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

@@ -14,7 +14,7 @@ double pressing_force(const PairFigures& figures);
 /// N, of all pairs.
 double largest_pressing_force(const Results& results);
 
-/// A sentence for each pair without a force whose faces may touch all the same.
+/// Returns a sentence for each pair without a force whose faces may still touch.
 std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results);
 
 /// Needs the pair figures with their gaps, contact rows and contact links of the last recovery.

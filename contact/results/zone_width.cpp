@@ -29,7 +29,7 @@ constexpr double slice = 0.75;
 /// The spread may change the width that the states of the points give by that much, cells: groups are whole cells.
 constexpr double narrower = 1.5, wider = 1;
 
-/// A ridge point stands for the closed points within so many times its distance from the open ones: in a strip these
+/// Radius, in distances from the open points, of the closed points that a ridge point stands for: in a strip these
 /// reach from edge to edge halfway to the next ridge point.
 constexpr double neighbourhood = 2;
 

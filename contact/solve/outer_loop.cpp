@@ -32,7 +32,7 @@ constexpr double farthest_wandering = 3;
 /// Residuals that do not fall so far while no point changes may be the error of the linear solve: the lagged stress
 /// contracts like 2.7 / kappa at worst. The next ones are solved so much better.
 constexpr double slow_fall = 0.5, tighter = 0.1;
-/// Iterations, and a residual, after which bodies that still wander by more than so many cells are held, if the
+/// Iterations, and a residual, after which bodies that still wander by more than the third (cells) are held, if the
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
 constexpr double nearly_converged = 1e-3, no_wandering = 0.05;

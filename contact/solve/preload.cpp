@@ -13,8 +13,8 @@ namespace {
 constexpr double tolerance = 1e-6;
 /// The force is piecewise linear in the interference: a few solves, unless it does not follow it at all.
 constexpr int most_solves = 25;
-/// Steps of a pair without a force grow until its faces meet; of one with a force they are at most so many times what
-/// it is tightened by (zones that grow with the force are stiffer then).
+/// Growth of a pair's steps without a force until its faces meet; with one, largest ratio of a step to the tightening
+/// (zones that grow with the force are stiffer then).
 constexpr double growth = 4;
 
 /// Returns a first guess of the stiffness, N/m: two columns of a length below the area of the pair.

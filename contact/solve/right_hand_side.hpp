@@ -19,7 +19,7 @@ class RightHandSide {
   const RealView& vector() const { return vector_; }
   /// Scale of the linear tolerance: the norm of the real forces.
   double force_norm() const { return force_norm_; }
-  /// Returns whether all of it is so small that nothing can be told by its squares, but not zero.
+  /// Returns whether all of it is so small that squares underflow, but not zero.
   bool underflows() const;
 
  private:
