@@ -9,7 +9,7 @@ namespace cgcontact {
 
 using TpetraMatrix = Tpetra::CrsMatrix<double>;
 
-/// Assembled matrix of the system on the given map; equals the matrix-free operator to rounding.
+/// Assembles the matrix of the system on the given map; equals the matrix-free operator to rounding.
 Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map);
 
 }  // namespace cgcontact

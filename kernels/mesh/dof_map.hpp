@@ -56,15 +56,15 @@ class DofMap {
   /// Without a halo no other rank shares these nodes. Throws InputError if there are more than 32-bit numbers of
   /// degrees of freedom hold; std::invalid_argument where a constraint names a node that does not exist, constrains a
   /// node twice, has no master, the same master twice or a weight that is not finite, or has a constrained node as its
-  /// master: chains are to be resolved by who makes the constraints.
+  /// master: the caller resolves chains.
   explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {},
                   const std::vector<int>& zero_dofs = {}, std::shared_ptr<const Halo> halo = nullptr);
 
   int num_constrained_nodes() const { return static_cast<int>(twins_.extent(0)) + sums_.num_nodes(); }
   int num_nodes() const { return num_nodes_; }
   int num_dofs() const { return dof_of(num_nodes_); }
-  /// The constraints are of two kinds: nodes that equal a master which no other node depends on (across a body in plane
-  /// strain, half of all nodes), and the others.
+  /// Return the two kinds of constraints: nodes that equal a master which no other node depends on (across a body in
+  /// plane strain, half of all nodes), and the others.
   const TwinsView& twins() const { return twins_; }
   const ConstraintRows& sums() const { return sums_; }
   const IntView& zero_dofs() const { return zero_dofs_; }
@@ -126,7 +126,7 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
       });
 }
 
-/// y = 0 at the nodes of other ranks.
+/// Sets y = 0 at the nodes of other ranks.
 template <class Exec, class Y>
 void zero_others(const Exec& exec, const DofMap& dofs, const Y& y) {
   if (!dofs.halo()) return;
@@ -137,8 +137,8 @@ void zero_others(const Exec& exec, const DofMap& dofs, const Y& y) {
       });
 }
 
-/// The transpose: y at masters += weights times y at the nodes they constrain, which become zero, as do those of other
-/// ranks. No atomics: each master gathers.
+/// Applies the transpose: y at masters += weights times y at the nodes they constrain, which become zero, as do those
+/// of other ranks. No atomics: each master gathers.
 template <class Exec, class Y>
 void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y& y) {
   const TwinsView twins = dofs.twins();

@@ -8,10 +8,10 @@ namespace cgcontact {
 
 constexpr int dofs_per_node = 3;
 
-/// Number of a component of a node: in the vector of all nodes, or in that of one element (node: corner).
+/// Returns the index of a component of a node: in the vector of all nodes, or in that of one element (node: corner).
 KOKKOS_INLINE_FUNCTION constexpr int dof_of(int node, int component = 0) { return dofs_per_node * node + component; }
 
-/// The same as an offset into an array.
+/// Returns the same as an offset into an array.
 KOKKOS_INLINE_FUNCTION constexpr std::size_t dof_offset(std::size_t node, int component = 0) {
   return dofs_per_node * node + component;
 }

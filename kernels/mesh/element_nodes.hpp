@@ -16,8 +16,7 @@ struct ElementNodes {
   std::vector<std::array<int, HexElement<degree>::num_nodes>> of_cell;  ///< first_node + index, of each active cell
 };
 
-/// The nodes of all active cells and of the given virtual cells, in the order
-/// of the lattice.
+/// Numbers the nodes of all active cells and of the given virtual cells, in the order of the lattice.
 template <int degree>
 ElementNodes<degree> number_element_nodes(const CutCells& cells, int first_node,
                                           const std::vector<Index3>& virtual_cells = {}) {

@@ -41,14 +41,14 @@ class Halo {
   const IntView& owned() const { return owned_; }    ///< ascending
   const IntView& others() const { return others_; }  ///< neither owned nor constrained
 
-  /// x (of all local degrees of freedom) at ghosts := x at their owners. Collective.
+  /// Sets x (of all local degrees of freedom) at ghosts to x at their owners. Collective.
   void import_ghosts(double* x) const;
   void import_ghosts(float* x) const;
-  /// Sum of all ranks' values, in place. Collective.
+  /// Sums all ranks' values, in place. Collective.
   void sum(double* values, std::size_t count) const;
   void sum(float* values, std::size_t count) const;
 
-  /// Messages that this rank sends per import, and nodes in them.
+  /// Return the messages that this rank sends per import, and the nodes in them.
   int num_messages() const;
   int num_sent() const { return static_cast<int>(sent_.extent(0)); }
 

@@ -84,14 +84,14 @@ struct HexElement {
     return i + nodes_per_line * j + nodes_per_face * k;
   }
 
-  /// N[num_nodes] at xi.
+  /// Computes N[num_nodes] at xi.
   KOKKOS_INLINE_FUNCTION static void shape(const double xi[3], double N[num_nodes]) {
     double l[3][nodes_per_line];
     for (int d = 0; d < 3; ++d) LineElement<degree>::shape(xi[d], l[d]);
     for (int a = 0; a < num_nodes; ++a) N[a] = l[0][place(a, 0)] * l[1][place(a, 1)] * l[2][place(a, 2)];
   }
 
-  /// dN[num_nodes][3] at xi, derivatives with respect to grid coordinates (cell units).
+  /// Computes dN[num_nodes][3] at xi, derivatives with respect to grid coordinates (cell units).
   KOKKOS_INLINE_FUNCTION static void gradient(const double xi[3], double dN[num_nodes][3]) {
     double l[3][nodes_per_line], g[3][nodes_per_line];
     for (int d = 0; d < 3; ++d) {
@@ -114,7 +114,7 @@ struct GhostFace {
   static constexpr int num_layers = 2 * degree + 1;
   static constexpr int num_nodes = num_layers * HexElement<degree>::nodes_per_face;
 
-  /// Jump of the derivative of order 1 .. degree along the normal, per cell unit, from the values of the layers.
+  /// Returns the weight of a layer in the jump of the derivative of order 1 .. degree along the normal, per cell unit.
   static constexpr double jump(int order, int layer) {
     if constexpr (degree == 1) {
       constexpr double first[3] = {1, -2, 1};
@@ -126,7 +126,7 @@ struct GhostFace {
   }
 };
 
-/// The trilinear element, which everything but the plain operator uses: N[8] and dN[8][3] at xi.
+/// Evaluate the trilinear element, which everything but the plain operator uses: N[8] and dN[8][3] at xi.
 KOKKOS_INLINE_FUNCTION void hex_shape(const double xi[3], double N[8]) { HexElement<1>::shape(xi, N); }
 KOKKOS_INLINE_FUNCTION void hex_gradient(const double xi[3], double dN[8][3]) { HexElement<1>::gradient(xi, dN); }
 

@@ -9,14 +9,14 @@
 
 namespace cgcontact {
 
-/// Values at the corners: out[corner][component]. u: vector of all nodes, called with the number of a DoF.
+/// Gathers values at the corners: out[corner][component]. u: vector of all nodes, called with the number of a DoF.
 template <class Nodes, class U>
 KOKKOS_INLINE_FUNCTION void corner_values(const Nodes& nodes, const U& u, double out[8][3]) {
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) out[a][i] = u(dof_of(nodes[a], i));
 }
 
-/// start + sum of N_a u_a.
+/// Returns start + sum of N_a u_a.
 inline Vec3 interpolate(const double u[8][3], const Vec3& xi, Vec3 start = Vec3::Zero()) {
   double N[8];
   hex_shape(xi.data(), N);
@@ -24,7 +24,7 @@ inline Vec3 interpolate(const double u[8][3], const Vec3& xi, Vec3 start = Vec3:
   return start;
 }
 
-/// g[i][j] = du_i / dx_j.
+/// Computes g[i][j] = du_i / dx_j.
 KOKKOS_INLINE_FUNCTION void interpolate_gradient(const double u[8][3], const double xi[3], double g[3][3]) {
   double dN[8][3];
   hex_gradient(xi, dN);
@@ -63,8 +63,8 @@ KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u
   law.stress(g, s);
 }
 
-/// The displacement at a point along a direction (grid axes) as a row: use(DoF, coefficient) for all 24. The same
-/// coefficients spread a force along the direction over the nodes.
+/// Calls use(DoF, coefficient) for the row (24 entries) of the displacement at a point along a direction (grid axes).
+/// The same coefficients spread a force along the direction over the nodes.
 template <class Use>
 void displacement_row(const std::array<int, 8>& nodes, const Vec3& xi, const Vec3& direction, const Use& use) {
   double N[8];

@@ -50,14 +50,14 @@ struct BodyMesh {
   std::vector<int> constraint_of_node;         ///< of each node: index into constraints, -1: free; empty: all are free
   std::vector<LevelFace> level_faces;          ///< of a level: towards larger cells
 
-  /// Size of an active cell, and of the cells of a level, in units of Scales::length.
+  /// Return the size of an active cell, and of the cells of a level, in units of Scales::length.
   double h(int cell) const { return cut_cells->h(cell) / length; }
   double h_of_level(int level) const { return cut_cells->grid.cell_size_of(level) / length; }
   /// Thickness for which the cells of a level count, in units of Scales::length: their size, or that of the slice.
   double thickness_of_level(int level) const {
     return cut_cells->grid.is_quadtree() ? cut_cells->grid.slice / length : h_of_level(level);
   }
-  /// Factor from gradients per cell unit to stresses in units of Scales::stress.
+  /// Returns the factor from gradients per cell unit to stresses in units of Scales::stress.
   double stress_factor(int cell) const { return modulus / h(cell); }
   /// Returns the position of a node (index into nodes), grid coordinates.
   Vec3 node_position(int node) const {
@@ -67,7 +67,7 @@ struct BodyMesh {
   /// Whether the body is one layer of cells thick: in plane strain, or of revolution.
   bool is_one_layer() const { return cut_cells->grid.plane_strain >= 0; }
   bool is_axisymmetric() const { return cut_cells->grid.is_axisymmetric(); }
-  /// Twice the distance of a cell's middle from the axis of revolution, in cells.
+  /// Returns twice the distance of a cell's middle from the axis of revolution, in cells.
   double diameter_of(int cell) const {
     return 2 * cut_cells->grid.radius(grid_position(*cut_cells, cell, Vec3::Zero())) / cut_cells->h(cell);
   }
@@ -75,7 +75,7 @@ struct BodyMesh {
     const Grid& grid = cut_cells->grid;
     return is_axisymmetric() ? Ring{grid.plane_strain, grid.radial_axis(), diameter_of(cell)} : Ring{};
   }
-  /// Grid::ring in the middle of the face between a cell of one level (active or not) and the next one along a
+  /// Returns Grid::ring in the middle of the face between a cell of one level (active or not) and the next one along a
   /// direction.
   double ring_of_face(const Index3& lower, int direction) const {
     Vec3 place = Vec3(lower[0], lower[1], lower[2]) + Vec3::Constant(0.5);
@@ -103,8 +103,8 @@ struct BodyMesh {
     if (is_axisymmetric()) return motion == grid.axis_of_revolution();
     return motion < 3 ? motion != grid.plane_strain : motion - 3 == grid.plane_strain;
   }
-  /// Degrees of freedom that neither constraints nor plane strain nor an axis of revolution give; the motions of a
-  /// rigid body.
+  /// Returns the number of free degrees of freedom: neither constrained nor zero by plane strain or an axis of
+  /// revolution; the motions of a rigid body.
   int num_free_dofs() const;
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
   /// Returns the number, among the nodes of all bodies, of the node at a position of the grid, or -1. A body of one

@@ -13,11 +13,11 @@ struct NodeSums {
   Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
 };
 
-/// u: of all bodies. In a fixed order: the same on any number of threads.
+/// Sums u of all bodies. In a fixed order: the same on any number of threads.
 NodeSums sums_of_nodes(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre,
                        const Kokkos::View<const double*, MemSpace>& u);
 
-/// u += translation + rotation x (x - centre).
+/// Adds translation + rotation x (x - centre) to u.
 void add_rigid_motion(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre, const Vec3& translation,
                       const Vec3& rotation, const RealView& u);
 

@@ -29,7 +29,7 @@ struct TransposedRows {
   CompressedRows rows;
 };
 
-/// row_at(i): the SparseRow i, which is called label(i) in the transpose.
+/// Compresses rows; row_at(i): the SparseRow i, which is called label(i) in the transpose.
 template <class RowAt, class Label>
 std::pair<CompressedRows, TransposedRows> compress_rows(std::size_t num_rows, const RowAt& row_at, const Label& label) {
   std::pair<CompressedRows, TransposedRows> result;

@@ -12,14 +12,15 @@
 
 namespace cgcontact {
 
-/// Cells of twice the size with the sum of their children's moments; of a body of several levels, CellTree::coarsened:
-/// cells that are not put together stay as they are. No boundary points, no solid.
+/// Returns cells of twice the size with the sum of their children's moments; of a body of several levels,
+/// CellTree::coarsened: cells that are not merged stay as they are. No boundary points, no solid.
 CutCells coarse_cut_cells(const CutCells& fine);
 
-/// One level, two cells or less in every direction: such a body is carried over to the next level as it is.
+/// Returns whether the cells have one level, two cells or less in every direction: such a body is carried over to the
+/// next level.
 bool is_coarsest(const CutCells& cells);
 
-/// The next level of a body: coarse_cut_cells, or the same cells again (no boundary points, no solid).
+/// Returns the next level of a body: coarse_cut_cells, or the same cells again (no boundary points, no solid).
 CutCells next_cut_cells(const CutCells& fine);
 
 /// Map from the cells of a system's levels to those of the next coarser one.
@@ -67,12 +68,12 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse);
 class RowCoarsening {
  public:
   RowCoarsening() = default;
-  /// rows: where they are; their entries only matter on the finest grid (`before`: nullptr), where they say which nodes
-  /// contact rows have.
+  /// Finds the coarse rows. rows: their positions; their entries only matter on the finest grid (`before`: nullptr),
+  /// where they say which nodes contact rows have.
   RowCoarsening(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
                 const std::vector<GroupRow>& rows, const RowCoarsening* before);
 
-  /// The coarse rows without entries.
+  /// Returns the coarse rows without entries.
   const std::vector<GroupRow>& places() const { return places_; }
 
   /// State of a grid's rows: stiffness, that when closed; whether the entries have changed since the last update.

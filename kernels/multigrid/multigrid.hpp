@@ -52,18 +52,18 @@ class Multigrid : public TpetraOperator {
   void update_groups();
 
   const MultigridReport& report() const;
-  /// The system is so small that it is the coarsest grid itself: assembled again when groups change.
+  /// Returns whether the system is so small that it is the coarsest grid itself: assembled again when groups change.
   bool is_single_grid() const;
 
   /// Returns this rank's share of the finest grid: the vectors of apply() are in its numbers. nullptr: of the whole
   /// system, on every rank the same.
   const RankShare* share() const;
-  /// Its cells have served: the operator of the finest grid has been made.
+  /// Drops the cells once the operator of the finest grid has been made.
   void drop_cells();
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;
   Teuchos::RCP<const TpetraMap> getRangeMap() const override;
-  /// Y = cycle of X; alpha = 1, beta = 0, one column. Not linear in X unless coarse_steps is 0.
+  /// Computes Y = cycle of X; alpha = 1, beta = 0, one column. Not linear in X unless coarse_steps is 0.
   void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override;
 
  private:

@@ -18,7 +18,7 @@ std::vector<std::unique_ptr<RankShare>> make_shares(const std::vector<const Elas
                                                     const std::vector<NodeColumns<float>>& columns,
                                                     const Halo::Comm& comm);
 
-/// A transfer in the numbers of a rank: rows of its own nodes only, both ways.
+/// Returns a transfer in the numbers of a rank: rows of its own nodes only, both ways.
 Transfer transfer_of_rank(const Transfer& whole, const RankShare& fine, const RankShare& coarse);
 
 }  // namespace cgcontact

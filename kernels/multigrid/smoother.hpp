@@ -38,15 +38,15 @@ class SurfaceSmoother {
   SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns,
                   SupportRows supports);
 
-  /// Rows and stiffness of the contact groups; factorises C (of all ranks, on every rank).
+  /// Sets rows and stiffness of the contact groups; factorises C (of all ranks, on every rank).
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness);
 
-  /// d = beta d + alpha M^-1 r; x += d. With beta = 0, d need not be initialised; with overwrite, x = d.
+  /// Takes a step: d = beta d + alpha M^-1 r; x += d. With beta = 0, d need not be initialised; with overwrite, x = d.
   void step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
             bool overwrite) const;
-  /// The same after begin_residual() of the operator, which is finished here: one sum over all ranks serves the forces
-  /// f of the groups and W^T r. Without them r misses B^T f, W^T B^T f = (C - 1) t with t = k^-1/2 f, so that C^-1 W^T
-  /// r = C^-1 (W^T r' - t) + t.
+  /// Takes a step after begin_residual() of the operator, which is finished here: one sum over all ranks serves the
+  /// forces f of the groups and W^T r. Without them r misses B^T f, W^T B^T f = (C - 1) t with t = k^-1/2 f, so that
+  /// C^-1 W^T r = C^-1 (W^T r' - t) + t.
   void step(const ExecSpace& exec, const FastOperator<Real>& op, const Vector& r, Real alpha, Real beta,
             const Vector& d, const Vector& x) const;
 

@@ -12,9 +12,9 @@ template <int degree>
 using GhostMatrixOf = std::array<std::array<double, GhostFace<degree>::num_nodes>, GhostFace<degree>::num_nodes>;
 using GhostMatrix = GhostMatrixOf<1>;
 
-/// Matrix 0 is that of interior cells of level 0, matrix 1 + c that of cut cell c: sum_q w_q B_q^T D B_q with the
-/// weights fitted to the cell's moments, and the support terms. Units: Scales::stress * Scales::length. 4.6 kB per cut
-/// cell: for the plain operator and for assembly.
+/// Computes the cell matrices: 0 is that of interior cells of level 0, matrix 1 + c that of cut cell c: sum_q w_q B_q^T
+/// D B_q with the weights fitted to the cell's moments, and the support terms. Units: Scales::stress * Scales::length.
+/// 4.6 kB per cut cell: for the plain operator and for assembly.
 template <int degree = 1>
 CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports);
 

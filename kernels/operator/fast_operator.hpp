@@ -44,8 +44,8 @@ class FastOperator {
   /// r = b - A x. r may be b.
   void residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x, const VectorView& r) const;
 
-  /// The same on several ranks in two halves: r without the forces of the contact groups, of whose forces every rank
-  /// has its share in group_forces(); once these are summed over all ranks, they are added to r.
+  /// Computes the residual on several ranks in two halves: r without the forces of the contact groups, of whose forces
+  /// every rank has its share in group_forces(); once these are summed over all ranks, they are added to r.
   void begin_residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x,
                       const VectorView& r) const;
   const VectorView& group_forces() const { return groups_.scratch; }
@@ -56,10 +56,10 @@ class FastOperator {
   void add_band(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y, bool cells, bool ghosts) const;
   void add_groups(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
 
-  /// Symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups. Masters have the
-  /// blocks of the nodes that they constrain with the square of the weights on top (what couples two of those nodes is
-  /// left out: enough for smoothing; across a body in plane strain nothing is), constrained nodes and those of other
-  /// ranks the identity.
+  /// Computes the symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups.
+  /// Masters have the blocks of the nodes that they constrain with the square of the weights on top (what couples two
+  /// of those nodes is left out: enough for smoothing; across a body in plane strain nothing is), constrained nodes and
+  /// those of other ranks the identity.
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks) const;
   /// The same, and the blocks between different nodes of a column (into zero matrices).
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks, const NodeColumns<Real>& columns) const;

@@ -43,12 +43,12 @@ struct NodeColumns {
 template <class Real>
 NodeColumns<Real> make_node_columns(const ElasticSystem& system);
 
-/// The nodes of each column.
+/// Returns the nodes of each column.
 template <class Real>
 std::vector<std::vector<int>> nodes_of_columns(const NodeColumns<Real>& columns);
 
-/// The columns of one rank in its numbers: those whose nodes it owns (local(node) >= 0; a column
-/// has one owner). Matrices are zero.
+/// Returns the columns of one rank in its numbers: those whose nodes it owns (local(node) >= 0; a column has one
+/// owner). Matrices are zero.
 template <class Real, class Local>
 NodeColumns<Real> columns_of_rank(const NodeColumns<Real>& columns, int num_nodes, const Local& local) {
   using Columns = NodeColumns<Real>;

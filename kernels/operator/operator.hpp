@@ -25,7 +25,7 @@ class ElasticityOperator : public TpetraOperator {
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override { return map_; }
   Teuchos::RCP<const TpetraMap> getRangeMap() const override { return map_; }
-  /// The operator is symmetric: mode is ignored.
+  /// Applies the operator, which is symmetric: mode is ignored.
   void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override;
 
  private:

@@ -38,7 +38,7 @@ struct StencilCoefficients {
 
   StencilCoefficients() = default;
   StencilCoefficients(const BodyMesh& mesh, double sign);
-  /// Diagonal 3x3 block of the stencil is diagonal: its three equal entries.
+  /// Returns the three equal entries of the stencil's diagonal 3x3 block, which is diagonal.
   static double diagonal(const BodyMesh& mesh);
 };
 
@@ -59,7 +59,7 @@ struct StencilTiles {
   std::size_t bytes() const;
 };
 
-/// One flag per node of all bodies: computed by the stencil.
+/// Makes the tiles; one flag per node of all bodies: computed by the stencil.
 template <class Real>
 StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& parts, const std::vector<char>& by_stencil);
 
@@ -86,7 +86,8 @@ inline void split_row(const Real* __restrict x, Real* __restrict to, int length)
       for (int c = 0; c < 3; ++c) to[c * W + i] = x[dof_of(i, c)];
 }
 
-/// y = (base +) stencil on `length` nodes at position p of the ring's rows below, at and above (z), middle row given.
+/// Computes y = (base +) stencil on `length` nodes at position p of the ring's rows below, at and above (z), middle row
+/// given.
 template <bool with_base, class Real>
 inline void apply_run(const StencilCoefficients<Real>& k, const Real* below, const Real* middle, const Real* above,
                       Real* __restrict sums, int p, int length, const Real* base, Real* __restrict y) {
@@ -145,7 +146,7 @@ inline void apply_run(const StencilCoefficients<Real>& k, const Real* below, con
   }
 }
 
-/// All planes of one tile. y = A x, or y = base + (A with the sign of the coefficients) x.
+/// Computes all planes of one tile. y = A x, or y = base + (A with the sign of the coefficients) x.
 template <bool with_base, class Real>
 inline void apply_tile(const StencilTiles<Real>& t, int tile, const Real* x, const Real* base, Real* y, Real* ring) {
   using Ring = StencilRing<Real>;

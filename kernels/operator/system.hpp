@@ -62,7 +62,7 @@ struct ElasticSystem {
   std::pair<int, int> part_of(int body, int cell) const;
 
   int num_dofs() const { return dofs.num_dofs(); }
-  /// Degrees of freedom that neither constraints nor plane strain give.
+  /// Returns the number of degrees of freedom that neither constraints nor plane strain give.
   int num_free_dofs() const;
   bool is_zero(int dof) const;
   /// Return whether this rank computes forces on a node, on one of this cell of a level.
@@ -70,12 +70,12 @@ struct ElasticSystem {
   bool needs_cell(const BodyMesh& part, int cell) const;
 };
 
-/// Meshes of all bodies.
+/// Makes the meshes of all bodies.
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty);
 
-/// Entries of a row (DoF, coefficient) in any order, on the masters of constrained nodes instead of them, without those
-/// that are zero; sorted by DoF, each once.
+/// Moves entries of a row (DoF, coefficient), in any order, from constrained nodes to their masters, without those that
+/// are zero; sorted by DoF, each once.
 void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int, double>>& entries);
 
 /// Adds support terms to a body; support points lie in cut cells only. cell: of the body.
@@ -84,10 +84,10 @@ void add_support_terms(ElasticSystem& system, int body, const std::vector<Suppor
 /// Sets the rows of the contact groups, their constraints resolved; stiffnesses start at zero.
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows);
 
-/// After changes of group_rows, with their constraints resolved: what multiplies with them. Stiffnesses start at zero.
+/// Compresses group_rows after changes, with their constraints resolved. Stiffnesses start at zero.
 void compress_group_rows(ElasticSystem& system);
 
-/// Present stiffness of each group.
+/// Returns the present stiffness of each group.
 std::vector<double> group_stiffness(const ElasticSystem& system);
 /// Returns whether the stiffnesses have changed so much that a matrix factorised with the old ones is a bad
 /// preconditioner.

@@ -18,7 +18,7 @@ struct Owners {
 /// Divides the finest grid. `together`: lists of nodes that belong to one rank (columns through thin bodies).
 Owners partition(const ElasticSystem& system, int num_ranks, const std::vector<std::vector<int>>& together);
 
-/// The owners of nodes from those of cells.
+/// Finds the owners of nodes from those of cells.
 void own_nodes(const ElasticSystem& system, const std::vector<std::vector<int>>& together, Owners& owners);
 
 }  // namespace cgcontact

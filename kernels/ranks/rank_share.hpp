@@ -14,12 +14,12 @@ namespace cgcontact {
 
 class RankShare {
  public:
-  /// more: marks nodes of the whole system that are to be local besides. Collective.
+  /// Makes the share; more: marks nodes of the whole system that are also local. Collective.
   RankShare(const ElasticSystem& whole, Owners owners, const std::vector<char>& more, const Halo::Comm& comm);
 
   const ElasticSystem& system() const { return system_; }
   bool owns(int whole_node) const;
-  /// Number of a node of the whole system here, or -1.
+  /// Returns the local number of a node of the whole system, or -1.
   int local(int whole_node) const { return local_of_whole_[whole_node]; }
   const std::vector<int>& whole_nodes() const { return whole_nodes_; }  ///< of each local node, ascending
 
@@ -28,17 +28,17 @@ class RankShare {
 
   /// Takes over the rows of the contact groups of the whole system, unless it has the same, and their stiffness.
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows);
-  /// Rows with the entries at own nodes alone, in local numbers.
+  /// Returns rows with the entries at own nodes alone, in local numbers.
   std::vector<GroupRow> own_entries(const std::vector<GroupRow>& rows) const;
 
   /// Copies the entries of all local nodes out of a vector of the whole system.
   void to_local(const RealView& whole, const RealView& local) const;
-  /// Own values of all ranks, in the numbers of the whole system; constrained nodes stay. Collective.
+  /// Collects own values of all ranks, in the numbers of the whole system; constrained nodes stay. Collective.
   void to_whole(const RealView& local, const RealView& whole) const;
   void to_local(const Kokkos::View<float*, MemSpace>& whole, const Kokkos::View<float*, MemSpace>& local) const;
   void to_whole(const Kokkos::View<float*, MemSpace>& local, const Kokkos::View<float*, MemSpace>& whole) const;
 
-  /// No operator is to be made any more.
+  /// Drops the cells once no more operators are made.
   void drop_cells();
 
  private:
@@ -58,7 +58,8 @@ class RankShare {
 /// positions of nodes.
 void drop_cells(std::vector<CutCells>& bodies, ElasticSystem& system);
 
-/// Nodes of the whole system on which a rank computes forces: its own, and constrained ones with a master of its own.
+/// Marks nodes of the whole system on which a rank computes forces: its own, and constrained ones with a master of its
+/// own.
 std::vector<char> needed_nodes(const ElasticSystem& whole, const Owners& owners, int rank);
 
 }  // namespace cgcontact

@@ -56,7 +56,7 @@ inline bool any(const Lanes<double>::Mask& m) {
   return sum != 0;
 }
 
-/// One lane's number.
+/// Returns one lane's number.
 KOKKOS_FORCEINLINE_FUNCTION double lane(double a, int) { return a; }
 inline double lane(const Vector<double>& a, int l) { return a[l]; }
 KOKKOS_FORCEINLINE_FUNCTION bool lane(bool m, int) { return m; }

@@ -47,7 +47,7 @@ inline void store(Real* p, const Vector<Real>& v) {
   *reinterpret_cast<typename Lanes<Real>::Unaligned*>(p) = v;
 }
 
-/// First n entries (0 <= n <= count); the others are zero and not read.
+/// Loads the first n entries (0 <= n <= count); the others are zero and not read.
 template <class Real>
 inline Vector<Real> load_first(const Real* p, int n) {
 #ifdef __AVX512F__
@@ -89,7 +89,7 @@ struct EightOf<float> {
 template <class Real>
 using Eight = typename EightOf<Real>::Type;
 
-/// The first six entries; nothing behind them is read.
+/// Loads the first six entries; nothing behind them is read.
 template <class Real>
 inline Eight<Real> load_six(const Real* p) {
 #ifdef __AVX512VL__
@@ -102,7 +102,7 @@ inline Eight<Real> load_six(const Real* p) {
 #endif
 }
 
-/// a[0..2], 0, b[0..2], 0.
+/// Loads a[0..2], 0, b[0..2], 0.
 template <class Real>
 inline Eight<Real> load_three_and_three(const Real* a, const Real* b) {
 #ifdef __AVX512VL__
@@ -154,7 +154,7 @@ inline void add_three(Real* to, const Real* v) {
 
 namespace detail {
 
-/// Lane i: that of number indices[i] in a, then b.
+/// Shuffles: lane i is number indices[i] in a, then b.
 template <class V, class M>
 inline V shuffle(const V& a, const V& b, const M& indices) {
 #ifdef __clang__
@@ -214,7 +214,7 @@ inline typename Lanes<Real>::Mask mask(const typename Lanes<Real>::Integer* p) {
 
 }  // namespace detail
 
-/// Three vectors of interleaved components -> one vector per component.
+/// Splits three vectors of interleaved components into one vector per component.
 template <class Real>
 inline void split_components(const Vector<Real> v[3], Vector<Real> u[3]) {
   constexpr const auto& t = detail::interleave<Real>;
@@ -223,7 +223,7 @@ inline void split_components(const Vector<Real> v[3], Vector<Real> u[3]) {
                            detail::mask<Real>(t.split_high[c]));
 }
 
-/// One vector per component -> three vectors of interleaved components.
+/// Joins one vector per component to three vectors of interleaved components.
 template <class Real>
 inline void join_components(const Vector<Real> u[3], Vector<Real> v[3]) {
   constexpr const auto& t = detail::interleave<Real>;
@@ -232,7 +232,7 @@ inline void join_components(const Vector<Real> u[3], Vector<Real> v[3]) {
                            detail::mask<Real>(t.join_high[c]));
 }
 
-/// r[i] lane l <-> r[l % 8] lane i (+ 8 in the upper half): its own inverse.
+/// Transposes: r[i] lane l <-> r[l % 8] lane i (+ 8 in the upper half): its own inverse.
 template <class Real>
 inline void transpose8(Vector<Real> r[8]) {
   constexpr const auto& t = detail::butterfly<Real>;
@@ -246,7 +246,7 @@ inline void transpose8(Vector<Real> r[8]) {
     }
 }
 
-/// Lower eight lanes of a, then lower eight lanes of b (float only).
+/// Joins the lower eight lanes of a and b (float only).
 inline Vector<float> join_halves(const Vector<float>& a, const Vector<float>& b) {
   constexpr Lanes<float>::Mask halves = {0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23};
   return detail::shuffle(a, b, halves);

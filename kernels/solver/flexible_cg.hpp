@@ -16,8 +16,8 @@
 
 namespace cgcontact {
 
-/// x . y of vectors of one column, the same to the last bit on any number of threads. Of several ranks called by all:
-/// one of the two is zero at ghosts.
+/// Returns x . y of vectors of one column, the same to the last bit on any number of threads. Collective: one of the
+/// two is zero at ghosts.
 double ordered_product(const TpetraVector& x, const TpetraVector& y);
 
 /// The iteration on the current right-hand side of a linear problem, from its initial residual.
@@ -26,21 +26,21 @@ class FlexibleCgIter : public Belos::Iteration<double, TpetraVector, TpetraOpera
   using Problem = Belos::LinearProblem<double, TpetraVector, TpetraOperator>;
   using StatusTest = Belos::StatusTest<double, TpetraVector, TpetraOperator>;
 
-  /// `test` ends the iteration; it is asked before each step.
+  /// Keeps `test`, which ends the iteration; it is asked before each step.
   FlexibleCgIter(Teuchos::RCP<Problem> problem, Teuchos::RCP<StatusTest> test);
 
   void initialize() override;
-  /// Until the test passes or a direction has no positive energy (broke_down).
+  /// Iterates until the test passes or a direction has no positive energy (broke_down).
   void iterate() override;
-  /// The operator is not positive definite to rounding, or a number is not finite.
+  /// Returns whether the operator is not positive definite to rounding, or a number is not finite.
   bool broke_down() const { return broke_down_; }
   double residual_norm() const;
 
   int getNumIters() const override { return iterations_; }
   void resetNumIters(int iterations = 0) override { iterations_ = iterations; }
-  /// norms: of the recursive residual; no vector, whose norm Belos would sum in any order.
+  /// Sets norms of the recursive residual; returns no vector, whose norm Belos would sum in any order.
   Teuchos::RCP<const TpetraVector> getNativeResiduals(std::vector<double>* norms) const override;
-  /// The solution is up to date after each step.
+  /// Returns null: the solution is up to date after each step.
   Teuchos::RCP<TpetraVector> getCurrentUpdate() const override { return Teuchos::null; }
   const Problem& getProblem() const override { return *problem_; }
   int getBlockSize() const override { return 1; }
@@ -67,8 +67,8 @@ class FlexibleCgSolMgr : public Belos::SolverManager<double, TpetraVector, Tpetr
   FlexibleCgSolMgr();
   Teuchos::RCP<Manager> clone() const override { return Teuchos::rcp(new FlexibleCgSolMgr); }
 
-  /// "Convergence Tolerance" (of the residual, relative to the initial one), "Maximum Iterations", "Verbosity",
-  /// "Output Style", "Output Frequency", "Output Stream", "Timer Label".
+  /// Lists the parameters: "Convergence Tolerance" (of the residual, relative to the initial one), "Maximum
+  /// Iterations", "Verbosity", "Output Style", "Output Frequency", "Output Stream", "Timer Label".
   Teuchos::RCP<const Teuchos::ParameterList> getValidParameters() const override;
   Teuchos::RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
   /// Sets the parameters in the list; others stay. Throws Teuchos' exceptions for unknown parameters and wrong types.

@@ -26,10 +26,10 @@ struct LinearSolveResult {
 
 class LinearSolver {
  public:
-  /// The system must outlive the solver; of several ranks every one has it whole, and calls all functions in the same
-  /// order. Grids of more than `shared_unknowns` are divided among the ranks (-1: MultigridSettings); with MueLu every
-  /// rank solves the whole. A method that takes the preconditioner for the same linear map every time has a V-cycle
-  /// instead of the K-cycle. exec: what kernels run on.
+  /// The system must outlive the solver; every rank has it whole; all functions are collective. Grids of more than
+  /// `shared_unknowns` are divided among the ranks (-1: MultigridSettings); with MueLu every rank solves the whole. A
+  /// method that takes the preconditioner for the same linear map every time has a V-cycle instead of the K-cycle.
+  /// exec: what kernels run on.
   LinearSolver(const ExecSpace& exec, const ElasticSystem& system, Preconditioner preconditioner,
                int shared_unknowns = -1, LinearMethod method = LinearMethod::flexible_cg);
   ~LinearSolver();
@@ -37,7 +37,7 @@ class LinearSolver {
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
   /// follows the changes, MueLu is set up anew when they are large).
   void update();
-  /// From the next update on MueLu, if the preconditioner is multigrid; false: it is MueLu already.
+  /// Switches to MueLu from the next update on, if the preconditioner is multigrid; false: it is MueLu already.
   bool fall_back();
   /// Iterations of a solve after which another update finds a better preconditioner.
   int patience() const;
@@ -49,7 +49,7 @@ class LinearSolver {
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
   LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);
 
-  /// x . A x, after an update.
+  /// Returns x . A x, after an update.
   double energy(const RealView& x) const;
 
  private:

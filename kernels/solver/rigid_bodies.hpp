@@ -19,7 +19,7 @@ class RigidBodies {
   /// The system must outlive this. exec: what kernels run on.
   RigidBodies(const ExecSpace& exec, const ElasticSystem& system);
   bool empty() const { return bodies_.empty(); }
-  /// v = P v, of all bodies.
+  /// Projects v to P v, of all bodies.
   void project(NodeValues kind, const RealView& v) const;
 
  private:
