@@ -59,12 +59,13 @@ struct FitStatus {
   double residual;
 };
 
-/// On the threads of an execution space of the host. rank_tolerance: singular values of the normalised rows up to this
-/// times the largest one are dropped.
+/// Fits the patches on the threads of an execution space of the host. rank_tolerance: singular values of the normalised
+/// rows up to this times the largest one are dropped.
 template <class Exec, int degree, int bodies>
 void fit_batch(const Exec& exec, FitInput<degree, bodies>* patches, int n, double rank_tolerance, FitStatus* status);
 
-/// Floating-point operations of one fit, from the loops of recovery/batched/batched_fit_kernel.hpp (multiply-add: two).
+/// Returns the floating-point operations of one fit, from the loops of recovery/batched/batched_fit_kernel.hpp
+/// (multiply-add: two).
 double fit_flop(int degree, int bodies, int num_rows, bool truncated);
 
 }  // namespace cgcontact

@@ -28,11 +28,11 @@ class FitKernel {
     either     ///< Cholesky, and the pseudo-inverse if a lane needs it
   };
 
-  /// Rows of all kinds that `rows` rows of the input make.
+  /// Returns the rows of all kinds that `rows` rows of the input make.
   static KOKKOS_INLINE_FUNCTION int padded(int rows) {
     return (num_interior + rows + row_block - 1) / row_block * row_block;
   }
-  /// Work space for up to `rows` rows of the input: numbers of type Real.
+  /// Returns the work space for up to `rows` rows of the input: numbers of type Real.
   static KOKKOS_INLINE_FUNCTION std::size_t scratch_size(int rows) {
     const int n = padded(rows);
     const std::size_t packed = packed_row(n), spectral = SpectralScratch::size(n);
@@ -40,8 +40,8 @@ class FitKernel {
     return packed + work + 5 * n + (n - num_interior + row_tile) * bodies * (6 + 3 + P::num_terms);
   }
 
-  /// patch[l]: lane l's patch; lanes from `used` on repeat others and write nothing. scratch: scratch_size() of the
-  /// largest number of rows. unsolved: lanes that Solver::cholesky left.
+  /// Fits one batch. patch[l]: lane l's patch; lanes from `used` on repeat others and write nothing. scratch:
+  /// scratch_size() of the largest number of rows. unsolved: lanes that Solver::cholesky left.
   static KOKKOS_INLINE_FUNCTION void run(Input* const patch[lanes], FitStatus* const status[lanes], int used,
                                          double tolerance, Solver solver, Real* scratch, bool unsolved[lanes]) {
     FitKernel k(patch, scratch);
@@ -307,9 +307,9 @@ class FitKernel {
     for (int r = 0; r < n_; ++r) mu_[r] = defect_[r];
   }
 
-  /// Upper bound of the largest eigenvalue: from trace and Frobenius norm (m rows of mean eigenvalue 1:
-  /// 1 + sqrt((m - 1) (|G|^2 / m - 1)), Wolkowicz and Styan 1980), and the largest entry of (|G| x)_r / x_r for a
-  /// positive x, here the row sums (Collatz and Wielandt).
+  /// Bounds the largest eigenvalue from above: from trace and Frobenius norm (m rows of mean eigenvalue 1: 1 + sqrt((m
+  /// - 1) (|G|^2 / m - 1)), Wolkowicz and Styan 1980), and the largest entry of (|G| x)_r / x_r for a positive x, here
+  /// the row sums (Collatz and Wielandt).
   KOKKOS_INLINE_FUNCTION void bound_norm() {
     Real squares = Real{}, trace = Real{}, largest = Real{};
     Real *sum = work_, *product = work_ + n_;
@@ -341,7 +341,7 @@ class FitKernel {
     norm_ = select<Real>(styan < largest, styan, largest);
   }
 
-  /// Full rank is certain if G - tolerance^2 norm I is positive definite (Sylvester's law of inertia).
+  /// Solves; full rank is certain if G - tolerance^2 norm I is positive definite (Sylvester's law of inertia).
   KOKKOS_INLINE_FUNCTION void solve(double tolerance, Solver solver, int used) {
     truncated_ = Real{};
     const Mask none = rows_of_lane_ != rows_of_lane_;

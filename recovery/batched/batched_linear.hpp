@@ -29,7 +29,7 @@ KOKKOS_FORCEINLINE_FUNCTION void cholesky_block(const Real* A, const Real* L, in
       for (int j = 0; j < 4; ++j) acc[i][j] -= a[i][k] * b[j][k];
 }
 
-/// A - shift I = L L^T, n rows (a multiple of row_block); the diagonal of L holds reciprocals. n^3 / 3 flop.
+/// Factorises A - shift I = L L^T, n rows (a multiple of row_block); the diagonal of L holds reciprocals. n^3 / 3 flop.
 /// True for the lanes whose matrix is positive definite; the factors of the others are of no use, and unfinished where
 /// no lane's is.
 template <class Real>
@@ -89,14 +89,14 @@ KOKKOS_INLINE_FUNCTION void packed_cholesky_solve(const Real* L, int n, Real* x)
 
 /// Work space of pseudo_inverse_solve, numbers per lane.
 struct SpectralScratch {
-  /// QR takes less than two sweeps for an eigenvalue; the slowest lane counts.
+  /// Return bounds: QR takes less than two sweeps for an eigenvalue; the slowest lane counts.
   static constexpr int max_sweeps(int n) { return 6 * n + 20; }
   static constexpr int max_rotations(int n) { return n * (2 * n + 20); }
   static constexpr std::size_t size(int n) { return 7 * n + 2 * max_sweeps(n) + 2 * max_rotations(n); }
 };
 
-/// The reflector H = 1 - factor v v^T that takes rows k+1 .. of column k of A to their length: v into the column, and v
-/// with zeros around it into v[]; e: the image's first entry.
+/// Makes the reflector H = 1 - factor v v^T that takes rows k+1 .. of column k of A to their length: v into the column,
+/// and v with zeros around it into v[]; e: the image's first entry.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void make_reflector(Real* A, int n, int k, Real* v, Real& factor, Real& e) {
   Real squares = Real{};
@@ -113,8 +113,8 @@ KOKKOS_INLINE_FUNCTION void make_reflector(Real* A, int n, int k, Real* v, Real&
   e = select<Real>(some, image, Real{});
 }
 
-/// A <- A - v w^T - w v^T in some rows from i on, columns from `first` on, and what they add to product = A next:
-/// several rows at a time, because the loads of the vectors would take longer than the arithmetic.
+/// Updates A <- A - v w^T - w v^T in some rows from i on, columns from `first` on, and what they add to product = A
+/// next: several rows at a time, because the loads of the vectors would take longer than the arithmetic.
 template <int rows, class Real>
 KOKKOS_INLINE_FUNCTION void update_rows(Real* A, int i, int first, const Real* v, const Real* w, const Real* next,
                                         Real* product) {
@@ -147,8 +147,8 @@ KOKKOS_INLINE_FUNCTION void update_rows(Real* A, int i, int first, const Real* v
   }
 }
 
-/// Householder's reduction to a tridiagonal matrix: A <- the reflectors (column k, below the diagonal), d, e, factor;
-/// x <- Q^T x. work: 4 n numbers. The update after one reflector and the product with the next one, which needs one
+/// Reduces A to a tridiagonal matrix (Householder): A <- the reflectors (column k, below the diagonal), d, e, factor; x
+/// <- Q^T x. work: 4 n numbers. The update after one reflector and the product with the next one, which needs one
 /// updated column only, share one pass over the matrix. 4/3 n^3 flop.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void tridiagonalise(Real* A, int n, Real* d, Real* e, Real* factor, Real* work, Real* x) {
@@ -198,10 +198,10 @@ struct ActiveBlock {
   Real low, high, shift;
 };
 
-/// Off-diagonal entries below `small` become zero. How many eigenvalues of a block are below the threshold its pivots
-/// say, from the last row upwards (Sylvester's law of inertia). The shift: the lower eigenvalue of the block's last two
-/// rows once it belongs to one of those, 0 before, which brings the least ones there. Where that takes too long (nearly
-/// equal eigenvalues on both sides of the threshold): Wilkinson's, which splits off any.
+/// Sets off-diagonal entries below `small` to zero and finds a block. Its pivots count the eigenvalues below the
+/// threshold, from the last row upwards (Sylvester's law of inertia). The shift: the lower eigenvalue of the block's
+/// last two rows once it belongs to one of those, 0 before, which brings the least ones there. Where that takes too
+/// long (nearly equal eigenvalues on both sides of the threshold): Wilkinson's, which splits off any.
 template <class Real>
 KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int rows, const Real& small,
                                                     const Real& threshold, const MaskOf<Real>& slow) {
@@ -275,7 +275,7 @@ struct RotationLog {
   int num_sweeps = 0, num_rotations = 0;
 };
 
-/// One implicit QR step in the rows first .. last of each lane's block: d, e <- Q^T (d, e) Q, x <- Q^T x.
+/// Takes one implicit QR step in the rows first .. last of each lane's block: d, e <- Q^T (d, e) Q, x <- Q^T x.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void qr_sweep(const ActiveBlock<Real>& block, int first, int last, Real* d, Real* e, Real* x,
                                      Real* rotations) {
@@ -307,8 +307,8 @@ KOKKOS_INLINE_FUNCTION void qr_sweep(const ActiveBlock<Real>& block, int first, 
   }
 }
 
-/// Implicit QR until the eigenvalues up to the threshold stand alone on the diagonal; x <- Q^T x. The other eigenvalues
-/// stay in blocks that have none of them. Lanes that did not get there: false.
+/// Iterates by implicit QR until the eigenvalues up to the threshold stand alone on the diagonal; x <- Q^T x. The other
+/// eigenvalues stay in blocks that have none of them. Lanes that did not get there: false.
 template <class Real>
 KOKKOS_INLINE_FUNCTION MaskOf<Real> split_off(Real* d, Real* e, int n, const Real& small, const Real& threshold,
                                               Real* x, RotationLog<Real>& log) {

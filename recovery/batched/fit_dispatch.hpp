@@ -17,7 +17,7 @@ class FitDispatch {
   FitDispatch(const Exec& exec, Input* patches, FitStatus* status, double tolerance)
       : exec_(exec), patches_(patches), status_(status), tolerance_(tolerance) {}
 
-  /// Cholesky for all, then those left with the pseudo-inverse in batches of their own.
+  /// Solves all by Cholesky, then those left by the pseudo-inverse in batches of their own.
   void run(int n) const {
     const Numbers order(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::batched_fit::order"), n);
     const Numbers left("cgcontact::batched_fit::left", n);
@@ -28,8 +28,8 @@ class FitDispatch {
     exec_.fence();
   }
 
-  /// Numbers of the patches in the order of their rows, so that the lanes of a batch carry equal numbers of them.
-  /// Returns the largest number of rows.
+  /// Sorts the patches by the number of their rows, so that the lanes of a batch carry equal numbers. Returns the
+  /// largest number of rows.
   int sort(const Numbers& order) const {
     const Input* const patches = patches_;
     const int n = static_cast<int>(order.extent(0));
@@ -62,7 +62,7 @@ class FitDispatch {
   /// Vectors of the processor begin at such addresses.
   static constexpr std::size_t alignment = 64;
 
-  /// One batch; marks the patches that the solver left.
+  /// Solves one batch; marks the patches that the solver left.
   static KOKKOS_INLINE_FUNCTION void solve_batch(Input* patches, FitStatus* status, double tolerance, Solver solver,
                                                  const Numbers& order, int n, int begin, Real* scratch,
                                                  const Numbers& left) {
@@ -79,8 +79,8 @@ class FitDispatch {
     for (int l = 0; l < used; ++l) left(order(begin + l)) = unsolved[l];
   }
 
-  /// A batch is a team; its work space is the team's scratch memory, and where that is too small, for hundreds of rows,
-  /// a view that the batches use one after the other.
+  /// Solves in batches. A batch is a team; its work space is the team's scratch memory, and where that is too small,
+  /// for hundreds of rows, a view that the batches use one after the other.
   void solve(const Numbers& order, int n, int most_rows, Solver solver, const Numbers& left) const {
     Input* const patches = patches_;
     FitStatus* const status = status_;
@@ -133,7 +133,7 @@ class FitDispatch {
   double tolerance_;
 };
 
-/// fit_batch with a patch in each lane of `Real`.
+/// Runs fit_batch with a patch in each lane of `Real`.
 template <class Real, class Exec, int degree, int bodies>
 void dispatch_fits(const Exec& exec, FitInput<degree, bodies>* patches, int n, double rank_tolerance,
                    FitStatus* status) {

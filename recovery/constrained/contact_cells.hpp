@@ -31,8 +31,8 @@ struct ContactPiece {
 /// Lists of pieces, points and cells below them, one after the other in the order of the cells.
 class ContactCells {
  public:
-  /// known: may be null. `integrals`: by body; cells below the points count down to `depth` (cells of the other body at
-  /// the point) if they are there.
+  /// Sums the contact points by cell. known: may be null. `integrals`: by body; cells below the points count down to
+  /// `depth` (cells of the other body at the point) if they are there.
   ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals, int index,
                double depth, const KnownPressures* known);
 
@@ -47,7 +47,7 @@ class ContactCells {
     }
   }
 
-  /// In the order of the body's contact links.
+  /// Returns the points in the order of the body's contact links.
   ListPart<PatchContactPoint> points(const ContactPiece& piece) const {
     const PatchContactPoint* first = points_.data() + piece.first_point;
     return {first, first + piece.num_points};

@@ -17,7 +17,8 @@ inline Vec3 divergence_at(const BoundaryData& boundary, const Grid& grid, double
          (grid.rotation.transpose() * boundary.body_force_at(grid.to_global(place)));
 }
 
-/// At the nodes of a body, per unit of their polynomials; empty without body forces. Refers to the mesh.
+/// Returns div sigma at the nodes of a body, per unit of their polynomials; empty without body forces. Refers to the
+/// mesh.
 inline std::function<Vec3(int node)> divergence_at_nodes(const BodyMesh& mesh, const BoundaryData& boundary,
                                                          double stress_scale) {
   if (!boundary.body_force_at) return {};

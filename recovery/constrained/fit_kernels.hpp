@@ -31,7 +31,7 @@ struct FitCells {
   KOKKOS_FORCEINLINE_FUNCTION int count(int patch) const { return begin(patch + 1) - begin(patch); }
 };
 
-/// Those on the host: the lists themselves.
+/// Returns those on the host: the lists themselves.
 inline FitCells<Kokkos::HostSpace> host_arrays(const std::vector<Vec3>& centre, const std::vector<double>& unit,
                                                const FlatLists<int>& cells) {
   using Cells = FitCells<Kokkos::HostSpace>;
@@ -153,7 +153,7 @@ void find_plain_variances(const Exec& exec, const IntegralArrays<Memory>& integr
       });
 }
 
-/// The misfit of the auxiliary body weighs with the inverse variances, as in any least squares of data of unequal
+/// Weighs the misfit of the auxiliary body with the inverse variances, as in any least squares of data of unequal
 /// quality: a body whose stress the polynomials follow well is not spoilt by one whose stress they do not
 /// (docs/recovery.md).
 template <class Exec, class Memory, int degree>

@@ -24,8 +24,8 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
                     const std::vector<double>& plain, const Scales& scales, const BalanceOptions& options,
                     PatchStates& states);
 
-/// Pressure (Scales::stress, positive in compression) at the boundary points of a body that see another one; 0 at the
-/// others.
+/// Returns the pressure (Scales::stress, positive in compression) at the boundary points of a body that see another
+/// one; 0 at the others.
 std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredField& field);
 
 }  // namespace cgcontact

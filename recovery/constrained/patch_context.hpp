@@ -20,7 +20,7 @@ struct PatchContext {
   const Grid& grid = body.mesh->cut_cells->grid;
   const ContactCells contact = {bodies, integrals, index, options.auxiliary_depth, known};
 
-  /// Active cells of the patch of a node.
+  /// Returns the active cells of the patch of a node.
   ListPart<int> cells_of(int node) const {
     const PatchSet& patches = *body.patches;
     return {patches.cells.data() + patches.begin[node], patches.cells.data() + patches.begin[node + 1]};

@@ -46,7 +46,7 @@ struct PatchLists {
   void clear();
   void raise(std::size_t i, PatchStatus least) { status[i] = std::max(status[i], least); }
   bool has_auxiliary(std::size_t i) const { return !auxiliary_cells[i].empty(); }
-  /// The pair and body that patch i is coupled with; it has an auxiliary patch.
+  /// Returns the pair and body that patch i, with an auxiliary patch, is coupled with.
   const PairState& other(std::size_t i) const { return pairs[i][coupled[i]]; }
 };
 
@@ -57,7 +57,7 @@ void fit_cells(const RecoveryBody& body, int node, PatchPolynomial polynomial, s
 /// Appends the patch of a node. Work space is kept by thread.
 void add_patch(const PatchContext& context, int node, PatchPolynomial polynomial, PatchLists& lists);
 
-/// Patches of some nodes, made side by side; polynomial_of(node): of each. chunks: work space.
+/// Lists the patches of some nodes, made side by side; polynomial_of(node): of each. chunks: work space.
 template <class PolynomialOf>
 void list_patches(const PatchContext& context, const int* nodes, std::size_t count, const PolynomialOf& polynomial_of,
                   std::vector<PatchLists>& chunks, PatchLists& lists) {

@@ -7,9 +7,9 @@
 
 namespace cgcontact {
 
-/// The polynomial of every node of a body. Automatic at the contact: degree 2 in patches with closed points where both
-/// bodies are at least four cells thick in all directions of their grids, over as many rings as suit that thickness
-/// where nothing knows the pressure; `known` may be null. Elsewhere one ring.
+/// Chooses the polynomial of every node of a body. Automatic at the contact: degree 2 in patches with closed points
+/// where both bodies are at least four cells thick in all directions of their grids, over as many rings as suit that
+/// thickness where nothing knows the pressure; `known` may be null. Elsewhere one ring.
 std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
                                                const KnownPressures* known, const RecoveryOptions& options);
 

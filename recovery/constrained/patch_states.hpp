@@ -35,7 +35,7 @@ struct PatchStates {
   }
   /// Returns whether the pressure of a pair came from the patch alone.
   bool is_of_stress(int node, int pair) const { return is_pressed(node, pair) && !is_known(node, pair); }
-  /// Pairs whose pressure came from the patch alone somewhere.
+  /// Returns pairs whose pressure came from the patch alone somewhere.
   std::set<int> pairs_of_stress() const {
     std::set<int> pairs;
     for (const auto& [node, pair] : pressed)

@@ -23,10 +23,10 @@ struct ConstrainedRecovery {
   std::vector<QuadraticTerms> quadratic;  ///< by body
 };
 
-/// On the threads of a space of the host: faces and expressions are asked for there. u: displacements of all bodies,
-/// for the auxiliary patches. The polynomials of bodies[].field are replaced; the terms of the contact edges and the
-/// quadratic terms come beside them. known: pressures that act as loads; contact whose pressure nothing knows is
-/// coupled with the other body (the paper's equation 12).
+/// Recovers the stress on the threads of the host, where faces and expressions are evaluated. u: displacements of all
+/// bodies, for the auxiliary patches. The polynomials of bodies[].field are replaced; the terms of the contact edges
+/// and the quadratic terms come beside them. known: pressures that act as loads; contact whose pressure nothing knows
+/// is coupled with the other body (the paper's equation 12).
 ConstrainedRecovery recover_constrained(const HostExec& exec, const std::vector<RecoveryBody>& bodies,
                                         const RealView& u, const Scales& scales, const RecoveryOptions& options,
                                         const KnownPressures* known = nullptr);

@@ -21,11 +21,11 @@ struct EnergySums {
 /// once.
 using ExactStress = std::function<Sym3(const Vec3& x)>;
 
-/// With linear polynomials the integrals are exact: sigma* is of degree 2 per variable, so 3 points per direction serve
-/// interior cells and weights fitted to moments of degree 4 serve cut cells. Next to nodes of degree 2 sigma* is of
-/// degree 3 per variable and its square of degree 6: exact in interior cells (5 points per direction), while cut cells
-/// integrate the interpolation of the square of degree 4 per variable. With an exact stress all cells get 5 points per
-/// direction.
+/// Integrates the error. With linear polynomials the integrals are exact: sigma* is of degree 2 per variable, so 3
+/// points per direction serve interior cells and weights fitted to moments of degree 4 serve cut cells. Next to nodes
+/// of degree 2 sigma* is of degree 3 per variable and its square of degree 6: exact in interior cells (5 points per
+/// direction), while cut cells integrate the interpolation of the square of degree 4 per variable. With an exact stress
+/// all cells get 5 points per direction.
 EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const RecoveredField& recovered,
                           const RealView& u, const ExactStress& exact);
 

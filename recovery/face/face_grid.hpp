@@ -48,14 +48,14 @@ struct FaceGrid {
   FacePlace centre(int patch) const {
     return low + FacePlace((patch / size[1] + 0.5) * spacing[0], (patch % size[1] + 0.5) * spacing[1]);
   }
-  /// Area of a patch, m^2; in plane strain m, per thickness.
+  /// Returns the area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
   /// Returns the weight of a patch's area: in proportion to the radius around an axis of revolution, else 1.
   double ring(int patch) const {
     return meridian ? std::abs(meridian->at(centre(patch)[1])[0]) / meridian->unit_radius : 1;
   }
-  /// Number of the patch `steps` beyond another one along an axis, in its image behind a symmetry plane too; -1: beyond
-  /// a free end.
+  /// Returns the number of the patch `steps` beyond another one along an axis, in its image behind a symmetry plane
+  /// too; -1: beyond a free end.
   int beyond(int patch, std::array<int, 2> steps) const {
     std::array<int, 2> at{patch / size[1], patch % size[1]};
     for (int a = 0; a < 2; ++a) {

@@ -13,9 +13,9 @@ struct FaceSolution {
   bool converged = false;  ///< the change fell to the tolerance, or no gap was left to close
 };
 
-/// p: Pa, the start on entry, which may be zero; the solution on return. gap: m, of the faces without these pressures
-/// up to a constant; where `seen` is 0 there is no pressure. force: N, in plane strain N/m. Throws InputError if no
-/// patch is seen. Results do not depend on the number of threads.
+/// Solves the problem of a face. p: Pa, the start on entry, which may be zero; the solution on return. gap: m, of the
+/// faces without these pressures up to a constant; where `seen` is 0 there is no pressure. force: N, in plane strain
+/// N/m. Throws InputError if no patch is seen. Results do not depend on the number of threads.
 template <class Exec>
 FaceSolution solve_face_problem(const Exec& exec, const FaceGrid& grid, const HalfSpace& half_space,
                                 const HalfSpace::Patches& gap, const HalfSpace::Marks& seen, double force,

@@ -43,9 +43,9 @@ struct FacePressure {
   /// within one.
   std::vector<double> error;
   FaceSolution solution;  ///< on the finest patches
-  /// Pa, bilinear in the square; zero outside.
+  /// Returns the pressure, Pa, bilinear in the square; zero outside.
   double at(const FacePlace& x) const;
-  /// Pa^2, bilinear; negative outside.
+  /// Returns the square, Pa^2, bilinear; negative outside.
   double square_at(const FacePlace& x) const;
 };
 

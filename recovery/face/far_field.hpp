@@ -26,11 +26,11 @@ class FarField {
  public:
   FarField(const FaceGrid& grid, double h, const std::vector<char>& inside, const std::vector<FarMean>& means);
 
-  /// At every patch, m.
+  /// Returns the field at every patch, m.
   std::vector<double> with_details(double length) const;
 
-  /// The longest details, within the given bounds, that meet the means within their errors (Morozov 1966):
-  ///   sum weight ((mean of r - value) / error)^2 <= sum weight.
+  /// Returns the longest details, within the given bounds, that meet the means within their errors (Morozov 1966): sum
+  /// weight ((mean of r - value) / error)^2 <= sum weight.
   double longest_details(double shortest, double longest) const;
 
  private:

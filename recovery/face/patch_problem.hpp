@@ -24,7 +24,7 @@ struct PatchBox {
 PatchBox box_of(const FaceGrid& grid, const std::vector<char>& may_press);
 PatchProblem cut_out(const PatchProblem& whole, const PatchBox& box);
 
-/// Numbers of the whole grid's patches in a box, in the order of the box's own.
+/// Returns the numbers of the whole grid's patches in a box, in the order of the box's own.
 std::vector<int> patches_of(const FaceGrid& grid, const PatchBox& box);
 
 /// Patches of twice the size, where the grid has enough along an axis.
@@ -33,14 +33,15 @@ struct CoarsePatches {
   FaceGrid grid;
   std::vector<int> parent;  ///< of every patch
   bool any() const { return merged[0] * merged[1] > 1; }
-  /// Means over the patches of each coarse one that may press.
+  /// Averages over the patches of each coarse one that may press.
   std::vector<double> means(const std::vector<double>& values, const std::vector<char>& may_press) const;
 };
 CoarsePatches coarse_patches(const FaceGrid& grid);
 PatchProblem coarsened(const PatchProblem& fine, const CoarsePatches& coarse);
 
-/// The pressure at the patches, Pa, from the solution on coarser patches, recursively. p: the start on entry, which may
-/// be zero. The coarse solutions need no more than to be a start: the finest one alone is the result's.
+/// Solves for the pressure at the patches, Pa, from the solution on coarser patches, recursively. p: the start on
+/// entry, which may be zero. The coarse solutions need no more than to be a start: the finest one alone is the
+/// result's.
 FaceSolution solve_nested(const ExecSpace& exec, const PatchProblem& problem, const FaceOptions& options,
                           std::vector<double>& p);
 

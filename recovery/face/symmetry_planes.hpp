@@ -14,13 +14,13 @@ struct SymmetryPlane {
   Vec3 turned(const Vec3& v) const { return v - 2 * normal.dot(v) * normal; }
 };
 
-/// Plane faces whose support holds the normal direction and no other.
+/// Finds plane faces whose support holds the normal direction and no other.
 std::vector<SymmetryPlane> symmetry_planes(const CutCells& cut_cells, const BoundaryData& boundary);
 
-/// A point and its images in the planes, and in planes across those: four quarters of a quarter.
+/// Returns a point and its images in the planes, and in planes across those: four quarters of a quarter.
 std::vector<Vec3> with_images(const Vec3& x, const std::vector<SymmetryPlane>& planes);
 
-/// Those planes of two bodies that are the same.
+/// Returns those planes of two bodies that are the same.
 std::vector<SymmetryPlane> common_planes(const std::vector<SymmetryPlane>& a, const std::vector<SymmetryPlane>& b,
                                          double cell_size);
 

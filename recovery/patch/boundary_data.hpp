@@ -15,10 +15,9 @@ struct TractionCondition {
   bool normal_held = false;                                 ///< symmetry plane or frictionless normal support
   std::array<bool, 3> component_held{false, false, false};  ///< prescribed displacement components, global axes
   /// Other directions in which supports or springs act at x (m) with outward normal n, unit, global axes; empty: none.
-  /// May be called by several threads at the same time.
+  /// Thread-safe.
   std::function<std::vector<Vec3>(const Vec3& x, const Vec3& n)> held;
-  /// Prescribed traction in global axes, Pa, at x (m) with outward normal n (global axes); empty: zero.
-  /// May be called by several threads at the same time.
+  /// Prescribed traction in global axes, Pa, at x (m) with outward normal n (global axes); empty: zero. Thread-safe.
   std::function<Vec3(const Vec3& x, const Vec3& n)> traction;
 
   bool is_support() const { return normal_held || component_held[0] || component_held[1] || component_held[2] || held; }

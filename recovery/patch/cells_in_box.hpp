@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Active cell that contains a point (grid coordinates), or -1.
+/// Returns the active cell that contains a point (grid coordinates), or -1.
 inline int cell_at(const CutCells& cc, const Vec3& position) {
   for (int level = cc.num_levels() - 1; level >= 0; --level) {
     const Vec3 x = std::ldexp(1.0, level) * position;
@@ -19,7 +19,7 @@ inline int cell_at(const CutCells& cc, const Vec3& position) {
   return -1;
 }
 
-/// The middle of an active cell, grid coordinates.
+/// Returns the middle of an active cell, grid coordinates.
 inline Vec3 middle_of_cell(const CutCells& cc, int cell) {
   return cc.corner(cell) + Vec3::Constant(0.5 * cc.size(cell));
 }
@@ -34,7 +34,7 @@ class CellsInBox {
   }
 
  private:
-  /// The cells of a level from `first` to before `end`.
+  /// Visits the cells of a level from `first` to before `end`.
   void visit(int level, Index3 first, Index3 end) const {
     const double per_unit = std::ldexp(1.0, level);
     for (int d = 0; d < 3; ++d) {
@@ -58,13 +58,14 @@ class CellsInBox {
   const Use& use_;
 };
 
-/// use(active cell) for the active cells that overlap a box (grid coordinates), each once.
+/// Calls use(active cell) for the active cells that overlap a box (grid coordinates), each once.
 template <class Use>
 void each_cell_in(const CutCells& cc, const Vec3& low, const Vec3& high, const Use& use) {
   CellsInBox<Use>(cc, low, high, use);
 }
 
-/// use(active cell) for those with their middle inside of it: of larger cells at its faces none that reaches out of it.
+/// Calls use(active cell) for those with their middle inside of it: of larger cells at its faces none that reaches out
+/// of it.
 template <class Use>
 void each_cell_within(const CutCells& cc, const Vec3& low, const Vec3& high, const Use& use) {
   each_cell_in(cc, low, high, [&](int cell) {

@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-/// Pressure of the unit term at a distance inside the edge of a zone of the given 1 / width; zero outside.
+/// Returns the pressure of the unit term at a distance inside the edge of a zone of the given 1 / width; zero outside.
 inline double edge_root(double inside, double inverse_width) {
   return std::sqrt(std::max(inside * (1 - inside * inverse_width), 0.0));
 }
@@ -30,14 +30,14 @@ struct ContactEdge {
   double scale = 1;             ///< unit of length of the term, per cell of this body
   double poisson_ratio = 0;     ///< plane strain along the edge
 
-  /// Distance from the edge into the closed side (negative: open), unit of length of the term.
+  /// Returns the distance from the edge into the closed side (negative: open), unit of length of the term.
   double inside(const Vec3& x) const {
     const Vec3 d = x - origin;
     const double t = along.dot(d);
     return scale * (closed.dot(d) + 0.5 * curvature * t * t);
   }
 
-  /// Normal traction of the unit term on the face at a distance inside, unit of length of the term.
+  /// Returns the normal traction of the unit term on the face at a distance inside, unit of length of the term.
   double root(double inside) const { return edge_root(inside, inverse_width / scale); }
 
   /// Stress (xx, yy, zz, xy, yz, zx; grid axes) of the unit term: normal traction sqrt(inside) in the zone, none
@@ -46,10 +46,10 @@ struct ContactEdge {
   void stress(const Vec3& x, double s[6]) const;
 };
 
-/// The term at depth y >= 0 below the face and x inside the edge, in the frame (across into the zone, inward normal,
-/// along the edge): components across, normal, shear. Westergaard's form Re Z - y Im Z', Re Z + y Im Z', -y Re Z' with
-/// Z = sqrt(z - c z^2), z = x + i y, c = 1 / width: Hertz's plane contact up to a linear polynomial, and sqrt(z) for c
-/// = 0. Along the edge acts nu (across + normal).
+/// Evaluates the term at depth y >= 0 below the face and x inside the edge, in the frame (across into the zone, inward
+/// normal, along the edge): components across, normal, shear. Westergaard's form Re Z - y Im Z', Re Z + y Im Z', -y Re
+/// Z' with Z = sqrt(z - c z^2), z = x + i y, c = 1 / width: Hertz's plane contact up to a linear polynomial, and
+/// sqrt(z) for c = 0. Along the edge acts nu (across + normal).
 inline void edge_term(double x, double y, double c, double& across, double& normal, double& shear) {
   const double wr = x - c * (x * x - y * y), wi = y * (1 - 2 * c * x), size = std::sqrt(wr * wr + wi * wi);
   const double real = std::sqrt(std::max(size + wr, 0.0) / 2);

@@ -38,9 +38,9 @@ struct PatchArrays {
   double axis_offset = 0;           ///< distance of the grid's origin from the axis of revolution, cells of level 0
 
   bool KOKKOS_FORCEINLINE_FUNCTION has_levels() const { return levels.extent(0) != 0; }
-  /// Level whose cells are the unit of a node's polynomial.
+  /// Returns the level whose cells are the unit of a node's polynomial.
   KOKKOS_FORCEINLINE_FUNCTION int level_of(int node) const { return has_levels() ? node_levels(node) : 0; }
-  /// Size of a cell in units of those of a level.
+  /// Returns the size of a cell in units of those of a level.
   KOKKOS_FORCEINLINE_FUNCTION double size_of(int cell, int level) const {
     if (!has_levels()) return 1;
     const int finer = levels(cell) - level;
@@ -51,20 +51,20 @@ struct PatchArrays {
   KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int cell, double size, const double centre[3]) const {
     return axis == flat ? 0 : size * (cells(cell, axis) + 0.5) - centre[axis];
   }
-  /// BodyMesh::ring_of.
+  /// Returns BodyMesh::ring_of.
   KOKKOS_FORCEINLINE_FUNCTION Ring ring_of(int cell) const {
     if (flat < 0) return {};
     const double finer = has_levels() ? 1 << levels(cell) : 1;
     return {flat, radial, 2 * (cells(cell, radial) + 0.5 + finer * axis_offset)};
   }
 
-  /// BodyMesh::stress_factor.
+  /// Returns BodyMesh::stress_factor.
   KOKKOS_FORCEINLINE_FUNCTION double stress_factor(int cell) const {
     return levels.extent(0) == 0 ? coarse_stress_factor : coarse_stress_factor * (1 << levels(cell));
   }
 };
 
-/// The arrays of a vector as rows of a view of the host; the values of one as a view.
+/// Views the arrays of a vector as rows on the host; the values of one as a view.
 template <class View, class T>
 View rows_of(const std::vector<T>& rows) {
   return View(rows.empty() ? nullptr : rows.front().data(), rows.size());
@@ -74,7 +74,7 @@ View view_of(const std::vector<T>& values) {
   return View(values.data(), values.size());
 }
 
-/// Those on the host: the arrays of the mesh and the patches themselves.
+/// Return those on the host: the arrays of the mesh and the patches themselves.
 SubsetArrays<Kokkos::HostSpace> host_arrays(const Subset& subset);
 PatchArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const PatchSet& patches);
 

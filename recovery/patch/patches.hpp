@@ -43,8 +43,8 @@ struct PatchSet {
   }
 };
 
-/// use(node, weight) for the nodes (of the body) with patches of their own that a node stands for: itself if it is
-/// free.
+/// Calls use(node, weight) for the nodes (of the body) with patches of their own that a node stands for: itself if it
+/// is free.
 template <class Use>
 void each_master(const BodyMesh& mesh, int node, const Use& use) {
   if (mesh.is_free(node)) return use(node, 1.0);
@@ -52,14 +52,14 @@ void each_master(const BodyMesh& mesh, int node, const Use& use) {
     use(master - mesh.first_node, weight);
 }
 
-/// Level whose cells are the unit of a node's polynomial; that unit, grid coordinates.
+/// Returns the level whose cells are the unit of a node's polynomial; that unit, grid coordinates.
 inline int level_of(const BodyMesh& mesh, int node) { return mesh.node_levels.empty() ? 0 : mesh.node_levels[node]; }
 inline double unit_of(const BodyMesh& mesh, int node) { return std::ldexp(1.0, -level_of(mesh, node)); }
 
 /// Marks the nodes of a cell and the masters of those that are constrained.
 void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked);
 
-/// least_volume: cells; smaller patches are joined with a neighbour's.
+/// Makes the patches. least_volume: cells; smaller patches are joined with a neighbour's.
 PatchSet make_patches(const BodyMesh& mesh, double least_volume = 1);
 /// Makes the patches of some nodes only; the others have no cells.
 PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& nodes);

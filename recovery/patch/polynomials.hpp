@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-/// Component of sigma_ij; 4 + it is the term x_i x_j.
+/// Returns the component of sigma_ij; 4 + it is the term x_i x_j.
 KOKKOS_FORCEINLINE_FUNCTION constexpr int component_of(int i, int j) {
   return i == j ? i : i + j == 1 ? 3 : i + j == 3 ? 4 : 5;
 }
@@ -25,7 +25,7 @@ struct Polynomial {
   static constexpr int num_interior = degree == 1 ? 3 : 18;
   static constexpr int num_packed = num_terms * (num_terms + 1) / 2;  ///< lower triangle, by rows
 
-  /// The terms at offset d (cell units).
+  /// Evaluates the terms at offset d (cell units).
   template <class Real>
   static KOKKOS_FORCEINLINE_FUNCTION void terms(const Real d[3], Real p[num_terms]) {
     p[0] = Real{} + 1;
@@ -36,7 +36,7 @@ struct Polynomial {
     }
   }
 
-  /// out[r] = interior row r times the coefficients x(component, term). g: 1/(1 + nu), not used by degree 1.
+  /// Computes out[r] = interior row r times the coefficients x(component, term). g: 1/(1 + nu), not used by degree 1.
   template <class Real, class Coefficients>
   static KOKKOS_FORCEINLINE_FUNCTION void interior(const Coefficients& x, const Real& g, Real* out) {
     for (int i = 0; i < 3; ++i) out[i] = x(component_of(i, 0), 1) + x(component_of(i, 1), 2) + x(component_of(i, 2), 3);

@@ -8,9 +8,9 @@ namespace cgcontact {
 
 class Subset {
  public:
-  /// All of `total`.
+  /// Selects all of `total`.
   explicit Subset(int total = 0) : size_(total) {}
-  /// Those marked.
+  /// Selects those marked.
   explicit Subset(const std::vector<char>& marked) : row_(marked.size(), -1) {
     for (std::size_t n = 0; n < marked.size(); ++n)
       if (marked[n]) {
@@ -22,7 +22,7 @@ class Subset {
 
   int size() const { return size_; }
   int number(int row) const { return row_.empty() ? row : number_[row]; }
-  /// -1 if it is not in the subset.
+  /// Returns -1 if it is not in the subset.
   int row(int number) const { return row_.empty() ? number : row_[number]; }
 
   const std::vector<int>& numbers() const { return number_; }  ///< by row; empty: all

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame (n, t1, t2).
+/// Returns two unit vectors that complete the unit vector n to a right-handed orthonormal frame (n, t1, t2).
 std::pair<Vec3, Vec3> tangents(const Vec3& n);
 
 }  // namespace cgcontact

@@ -21,7 +21,7 @@ using PaddedPolynomial = Eigen::Matrix<double, 8, Polynomial<2>::num_terms>;
 /// The stress over each active cell of one body. May be called by several threads at once.
 using CellStress = std::function<CellPolynomial(int cell)>;
 
-/// sigma_h; u: displacements of all bodies.
+/// Evaluates sigma_h; u: displacements of all bodies.
 CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u);
 
 /// Integrals over some cells of a body, for polynomials of degree 1 (their first four terms) and 2.
@@ -38,7 +38,7 @@ struct StressIntegrals {
 
 StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress, Subset cells);
 
-/// Sums over cells, which ascend, about a centre; centre and unit of lengths: grid coordinates. The cells count alike,
+/// Sums over ascending cells, about a centre; centre and unit of lengths: grid coordinates. The cells count alike,
 /// whatever their size. The integrals over all of them are known.
 CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
                    const double centre[3], double unit = 1);

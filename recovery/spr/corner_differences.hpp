@@ -29,9 +29,9 @@ KOKKOS_INLINE_FUNCTION void corner_differences(double h[8][3]) {
         }
 }
 
-/// The strain u_r / r around the axis of a body of revolution (per cell unit) is the slope of u_r along r and
-/// c[0] + c[1] and c[2] times the two coordinates beside the one across + c[3] times their product. What is over r is
-/// taken as linear between the two Gauss points; it is u_r extrapolated to the axis, and zero in cells beside it.
+/// Computes c: the strain u_r / r around the axis of a body of revolution (per cell unit) is the slope of u_r along r
+/// and c[0] + c[1] and c[2] times the two coordinates beside the one across + c[3] times their product. What is over r
+/// is taken as linear between the two Gauss points; it is u_r extrapolated to the axis, and zero in cells beside it.
 KOKKOS_INLINE_FUNCTION void ring_differences(const Ring& ring, const double h[8][3], double c[4]) {
   const int along = 3 - ring.across - ring.radial, G = 1 << ring.radial, E = 1 << along;
   const double q = ring.diameter, mean = h[0][ring.radial] - q * h[G][ring.radial],

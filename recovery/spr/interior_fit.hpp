@@ -13,11 +13,12 @@ namespace cgcontact {
 
 class InteriorFit {
  public:
-  /// u: displacements of all bodies, which must stay what they are. corrected: in equilibrium (paper, equation 4), div
-  /// sigma per cell unit at a node of the body being `divergence`; empty: zero. Otherwise the plain fit (equation 1).
+  /// Prepares the fit. u: displacements of all bodies, which must not change. corrected: in equilibrium (paper,
+  /// equation 4), div sigma per cell unit at a node of the body being `divergence`; empty: zero. Otherwise the plain
+  /// fit (equation 1).
   InteriorFit(const BodyMesh& mesh, const RealView& u, bool corrected, std::function<Vec3(int node)> divergence = {});
 
-  /// The 6 x 4 coefficients of a node. Throws std::logic_error if its patch is another one.
+  /// Returns the 6 x 4 coefficients of a node. Throws std::logic_error if its patch is another one.
   void at(int node, double* a) const;
   /// Evaluates the fit at many nodes: each cell is integrated once. values: 24 of each.
   void at_all(const std::vector<int>& nodes, double* values) const;
@@ -36,8 +37,8 @@ class InteriorFit {
   std::function<Vec3(int node)> divergence_;
 };
 
-/// The nodes of a body that InteriorFit does not know: those of other patches, of cells with contact, and constrained
-/// ones with their masters. contacts: what touches each cell.
+/// Returns the nodes of a body that InteriorFit does not know: those of other patches, of cells with contact, and
+/// constrained ones with their masters. contacts: what touches each cell.
 Subset nodes_beside_interior(const BodyMesh& mesh, const CellLists& contacts);
 
 }  // namespace cgcontact

@@ -36,7 +36,7 @@ struct RecoveredField {
   std::shared_ptr<const EdgeTerms> edge = {};            ///< beside the polynomials; may be empty
   std::shared_ptr<const QuadraticTerms> quadratic = {};  ///< of nodes with degree 2; may be empty
   std::shared_ptr<const InteriorFit> interior = {};      ///< makes those of all other nodes; may be empty
-  /// The coefficients of a stored node (number within the body).
+  /// Returns the coefficients of a stored node (number within the body).
   const double* at(int node) const {
     return values.data() + 6 * num_terms * static_cast<std::ptrdiff_t>(nodes.row(node));
   }
@@ -48,7 +48,7 @@ struct RecoveredField {
   }
 };
 
-/// Copy of a field for some nodes; of no others.
+/// Copies a field for some nodes; of no others.
 RecoveredField part_of(const RecoveredField& field, Subset nodes);
 
 /// The polynomials of the nodes of successive cells, so that those that are not stored are made once. Refers to the
@@ -73,16 +73,16 @@ class PolynomialBlock {
 void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
                            const CellStressView& out);
 
-/// Cells of the patches of some nodes.
+/// Returns the cells of the patches of some nodes.
 Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes);
 
 /// Sets the polynomials of the constrained nodes of a field to the means of their masters', which it holds as well;
 /// where masters are of degree 2 those of `quadratic` too.
 void set_constrained_nodes(const BodyMesh& mesh, const RecoveredField& field, QuadraticTerms* quadratic = nullptr);
 
-/// Unconstrained fit (equation 1) of the nodes of field.nodes, among them the masters of those that are constrained;
-/// `stress` holds the cells of their patches.
-/// Returns the number of patches whose mass matrix was singular (their polynomial is the constant mean stress).
+/// Fits (unconstrained, equation 1) the nodes of field.nodes, among them the masters of those that are constrained;
+/// `stress` holds the cells of their patches. Returns the number of patches whose mass matrix was singular (their
+/// polynomial is the constant mean stress).
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field);
 
@@ -99,7 +99,7 @@ void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell,
 void add_quadratic_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
                          const double N[8], double s[6]);
 
-/// sigma*(x) = sum_v N_v(x) P_v(x) A_v at cell coordinates xi of a cell (conjoint polynomials).
+/// Evaluates sigma*(x) = sum_v N_v(x) P_v(x) A_v at cell coordinates xi of a cell (conjoint polynomials).
 inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
                                double s[6]) {
   double N[8];

@@ -54,7 +54,7 @@ KOKKOS_INLINE_FUNCTION void full_cell_stress_integrals(const UnitElasticity& law
   }
 }
 
-/// One row of `out` for each of the cells. u: displacements of all bodies, three per node.
+/// Integrates one row of `out` for each of the cells. u: displacements of all bodies, three per node.
 template <class Exec, class Memory, class Displacements, class Stress>
 void integrate_cells(const Exec& exec, const PatchArrays<Memory>& body, const SubsetArrays<Memory>& cells,
                      const Displacements& u, const Stress& out) {
@@ -76,8 +76,8 @@ void integrate_cells(const Exec& exec, const PatchArrays<Memory>& body, const Su
       });
 }
 
-/// Right-hand side H of a patch, shifted to its centre, lengths in cells of a level; row r of `stress` belongs to cell
-/// stressed.number(r).
+/// Gathers the right-hand side H of a patch, shifted to its centre, lengths in cells of a level; row r of `stress`
+/// belongs to cell stressed.number(r).
 template <class Memory, class Stress>
 KOKKOS_INLINE_FUNCTION void gather_stress(const PatchArrays<Memory>& body, const int* cells, int num_cells,
                                           const double centre[3], const Stress& stress,

@@ -29,7 +29,7 @@ struct IntegralArrays {
     return axis == flat ? 0 : place + 0.5 - centre[axis];
   }
 
-  /// Over cells of one level, which ascend; the level is the unit of the centre and the sums.
+  /// Sums over ascending cells of one level; the level is the unit of the centre and the sums.
   KOKKOS_INLINE_FUNCTION CellSums sum_of_level(const int* list, int num, const double centre[3]) const {
     CellSums total{};
     for (int i = 0; i < num;) {
@@ -50,7 +50,7 @@ struct IntegralArrays {
     return total;
   }
 
-  /// Over cells, which ascend, about a centre; centre and unit of lengths: grid coordinates. The cells count alike,
+  /// Sums over ascending cells, about a centre; centre and unit of lengths: grid coordinates. The cells count alike,
   /// whatever their size. The integrals over all of them are known.
   KOKKOS_INLINE_FUNCTION CellSums sum(const int* list, int num, const double centre[3], double unit) const {
     if (levels.extent(0) == 0) return sum_of_level(list, num, centre);
@@ -68,7 +68,7 @@ struct IntegralArrays {
   }
 };
 
-/// Those on the host: the arrays of the integrals and the mesh themselves.
+/// Returns those on the host: the arrays of the integrals and the mesh themselves.
 IntegralArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const StressIntegrals& integrals);
 
 }  // namespace cgcontact
