@@ -21,7 +21,7 @@ struct AdaptiveCallbacks : ProgressCallbacks {
 /// Throws InputError if the first grids have more unknowns than accuracy.max_unknowns.
 void check_first_grids(const Scene& scene, const std::vector<BodyModel>& bodies);
 
-/// One line: unknowns, time, estimated errors.
+/// Describes a solve in one line: unknowns, time, estimated errors.
 std::string describe(int number, const SolveFigures& solve);
 
 class AdaptiveRun {
@@ -34,7 +34,7 @@ class AdaptiveRun {
 
   /// Returns the solve that AccuracyFigures::answer names; Results::accuracy has all.
   Simulation& simulation() { return *simulation_; }
-  /// Its scene: with its grids.
+  /// Returns its scene, with its grids.
   const Scene& scene() const { return *scene_; }
 
  private:

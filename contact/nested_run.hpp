@@ -20,7 +20,7 @@ class NestedRun {
   /// without it.
   void run(const ProgressCallbacks& progress);
 
-  /// On the given cells.
+  /// Returns the simulation on the given cells.
   Simulation& simulation() { return *simulation_; }
 
  private:

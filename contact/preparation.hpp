@@ -25,13 +25,13 @@ void check_settings(const Scene& scene);
 Preparation prepare(const Scene& scene, bool refuse_near_limit = true);
 /// Prepares what can be drawn, whether the scene can be solved or not.
 Preparation lay_out(const Scene& scene, bool refuse_near_limit = true);
-/// Can it be solved? Throws InputError; holds motions that no load drives.
+/// Checks that it can be solved; throws InputError; holds motions that no load drives.
 void complete(const Scene& scene, Preparation& preparation);
 
-/// Rows of contact.csv: boundary points of the contact faces, in reach of the other body or not.
+/// Counts the rows of contact.csv: boundary points of the contact faces, in reach of the other body or not.
 double count_contact_rows(const Preparation& preparation);
 
-/// For the expected memory: points of the pairs, rows of the results.
+/// Returns, for the expected memory, points of the pairs and rows of the results.
 MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation);
 
 /// Throws InputError if a run of the scene would not fit into memory.

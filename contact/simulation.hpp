@@ -35,14 +35,14 @@ class Simulation {
   /// drawn may come later. earlier: a solution on other grids to start from, or none.
   void place(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
-  /// The halves of solve: up to the displacements, and what follows from them.
+  /// Halves of solve: up to the displacements, and what follows from them.
   void solve_system(const ProgressCallbacks& progress, const SolvedState* earlier);
   void finish(const ProgressCallbacks& progress, bool with_paths);
   void sample_paths(const ProgressCallbacks& progress);
   /// Preloads begin with what the same scene has on other grids.
   void start_preloads_from(const Simulation& earlier) { preload_.start_from(earlier.preload_); }
 
-  /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.
+  /// Steps, for programs that measure them one by one; between the second and the third comes the solution.
   void place_on_grids();
   void make_system();
   void recover();

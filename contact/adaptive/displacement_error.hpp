@@ -7,8 +7,8 @@
 
 namespace cgcontact {
 
-/// m, one for each target of Scene::accuracy that is one of a displacement: the mean over a face or over the points of
-/// a probe; of the largest displacement its size along x. Zero where no body holds a point.
+/// Returns one displacement for each such target of Scene::accuracy, m: the mean over a face or over the points of a
+/// probe; of the largest displacement its size along x. Zero where no body holds a point.
 std::vector<Vec3> named_displacements(const SolvedState& state);
 
 /// One solve as far as displacements go.
@@ -17,7 +17,7 @@ struct DisplacementState {
   double energy_error = 0;   ///< relative, of the energy norm
 };
 
-/// Their relative errors: the larger one of
+/// Returns their relative errors: the larger one of
 /// - twice the square of the energy norm's error, which is the error of the displacement that the loads do their work
 ///   on (twice, as the force's: pressure_estimate.hpp),
 /// - with an earlier solve, the change since then times r/(1-r), errors falling by r = the ratio of those squares, at

@@ -15,18 +15,18 @@ struct GridSizes {
   double change = 1;  ///< smallest ratio of cells to those before: of a zone, of the energy norm's error in the mean
 };
 
-/// Those of the first grids: cell_size, or from the shape.
+/// Returns the sizes of the first grids: cell_size, or from the shape.
 GridSizes first_sizes(const Scene& scene);
 
-/// All first cells half as large.
+/// Halves all first cells.
 void halve(GridSizes& sizes);
 
-/// The scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: of each body,
-/// surely more are refused (BodySpec).
+/// Returns the scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: of
+/// each body, surely more are refused (BodySpec).
 std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1,
                                       double most_cells = std::numeric_limits<double>::infinity());
 
-/// The scene on the grids that its first solve has.
+/// Returns the scene on the grids that its first solve has.
 Scene on_first_grids(const Scene& scene);
 
 /// Relative estimated errors after a solve; none: not known, as the zone is not resolved.
@@ -38,11 +38,11 @@ struct ErrorFigures {
   bool met = false;                          ///< all that the scene asks for
   bool finite = true;                        ///< whether they are numbers
 };
-/// displacement: errors of the targets that are displacements, in their order.
+/// Collects the errors; displacement: of the targets that are displacements, in their order.
 ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,
                            const std::vector<double>& displacement = {});
 
-/// Sizes of the next grids, from the present ones. displacement: as above.
+/// Chooses the sizes of the next grids by the present ones. displacement: as above.
 GridSizes next_sizes(const SolvedState& state, const Results& results, const std::vector<ZoneState>& zones,
                      const GridSizes& present, const std::vector<double>& displacement = {});
 

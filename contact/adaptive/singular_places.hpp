@@ -25,7 +25,7 @@ std::vector<CellEnergies> cell_energies(const Results& results);
 std::vector<SingularPlace> singular_places(const SolvedState& state,
                                            const std::vector<std::vector<CellEnergies>>& solves);
 
-/// One sentence.
+/// Describes it in one sentence.
 std::string describe(const SingularPlace& place);
 
 }  // namespace cgcontact

@@ -32,11 +32,11 @@ struct ZoneState {
 /// surface): h_new/h = E e^(-1/2) (sum of e)^(-1/2).
 void size_by_error(const SolvedState& state, const Results& results, int pair, double target, ZoneState& zone);
 
-/// One per pair of the state.
+/// Returns one per pair of the state.
 std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results);
 
-/// Size of the cells of a zone on the next grid over the present one. estimate: of the pressure's error; target: of the
-/// same, none: the pressure is not asked for, the zone is to be found and resolved only.
+/// Returns the size of the cells of a zone on the next grid over the present one. estimate: of the pressure's error;
+/// target: of the same, none: the zone is only to be found and resolved.
 double next_size_ratio(const ZoneState& zone, double estimate, std::optional<double> target,
                        const AccuracyOptions& options);
 

@@ -18,27 +18,27 @@ struct FacePoint {
 
 class FaceChart {
  public:
-  /// The chart of a zone's points. planes: the symmetry planes that the zone touches. across: of plane strain, the axis
-  /// (global) along which nothing varies, or -1: it is axis 0 then. turned: axes of the body's grid, with which those
-  /// of a flat face turn. None: the face turns too much and about no single axis, or the planes do not go with its
-  /// axes.
+  /// Makes the chart of a zone's points. planes: the symmetry planes that the zone touches. across: of plane strain,
+  /// the axis (global) along which nothing varies, or -1: it is axis 0 then. turned: axes of the body's grid, with
+  /// which those of a flat face turn. None: the face turns too much and about no single axis, or the planes do not go
+  /// with its axes.
   static std::optional<FaceChart> make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
                                        int across, const Mat3& turned);
 
   FacePlace place(const Vec3& x) const;
   /// Returns the point at a chart position, near the face.
   Vec3 point(const FacePlace& place) const;
-  /// Unit normal of the chart at a point.
+  /// Returns the unit normal of the chart at a point.
   Vec3 normal(const Vec3& x) const;
-  /// Height of a point above the plane, or above the mean radius, m.
+  /// Returns the height of a point above the plane, or above the mean radius, m.
   double height(const Vec3& x) const;
   const std::array<FaceEnd, 2>& ends() const { return ends_; }
-  /// Between the two symmetry planes of an axis that has two, m.
+  /// Returns the distance between the two symmetry planes of an axis that has two, m.
   double length(int axis) const { return length_[axis]; }
 
  private:
   bool set_ends(const std::vector<SymmetryPlane>& planes);
-  /// From the axis of a round face to a point.
+  /// Returns the vector from the axis of a round face to a point.
   Vec3 radial(const Vec3& x) const;
 
   bool round_ = false;

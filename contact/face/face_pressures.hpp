@@ -32,9 +32,9 @@ struct SolvedZone {
   FacePressure pressure;
   std::vector<EdgePiece> edge;  ///< points along it
 
-  /// At a point on the face of a body; none: the zone does not reach there.
+  /// Returns the pressure at a point on the face of a body; none: the zone does not reach there.
   std::optional<PressureOnFace> at(int body, const Vec3& x, const Vec3& normal) const;
-  /// Square of the pressure there, Pa^2; negative outside of the zone.
+  /// Returns the square of the pressure there, Pa^2; negative outside of the zone.
   std::optional<double> square_at(int body, const Vec3& x, const Vec3& normal) const;
 
  private:

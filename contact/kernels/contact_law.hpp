@@ -12,7 +12,7 @@ struct NormalContact {
   double k = 0;         ///< Pa/m
   bool bonded = false;  ///< also pulls
 
-  /// Pressure of a point that is taken for closed: less than zero, it would pull.
+  /// Returns the pressure of a point that is taken for closed: less than zero, it would pull.
   KOKKOS_INLINE_FUNCTION double closed_pressure(double lagged, double gap) const { return lagged - k * gap; }
   /// Returns whether a point is closed that would press with this.
   KOKKOS_INLINE_FUNCTION bool is_closed(double closed_pressure) const { return bonded || closed_pressure > 0; }
@@ -20,11 +20,11 @@ struct NormalContact {
     const double p = closed_pressure(lagged, gap);
     return is_closed(p) ? p : 0;
   }
-  /// -dp/dg
+  /// Returns -dp/dg.
   KOKKOS_INLINE_FUNCTION double stiffness(double lagged, double gap) const {
     return is_closed(closed_pressure(lagged, gap)) ? k : 0;
   }
-  /// Energy per area, whose derivative to the gap is -p; convex.
+  /// Returns the energy per area, whose derivative to the gap is -p; convex.
   KOKKOS_INLINE_FUNCTION double energy(double lagged, double gap) const {
     const double p = pressure(lagged, gap);
     return p * p / (2 * k);

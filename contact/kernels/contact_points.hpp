@@ -45,7 +45,7 @@ struct ContactPointArrays {
 
 using HostContactPoints = ContactPointArrays<Kokkos::HostSpace>;
 
-/// The same in another memory; where that is the host's, the same arrays.
+/// Copies the arrays to another memory; where that is the host's, the same arrays.
 template <class Memory>
 ContactPointArrays<Memory> copy_points(const HostContactPoints& host) {
   const auto copy = [](auto& to, const auto& from) { to = Kokkos::create_mirror_view_and_copy(Memory(), from); };

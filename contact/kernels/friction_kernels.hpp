@@ -13,11 +13,11 @@ namespace cgcontact {
 struct TangentFrame {
   double cosine = 1, sine = 0;  ///< of the angle from the first tangent to the first row
 
-  /// Direction of the first or the second row, by the tangents.
+  /// Returns the direction of the first or the second row, by the tangents.
   KOKKOS_INLINE_FUNCTION double along(int row, int tangent) const {
     return row == tangent ? cosine : row == 0 ? sine : -sine;
   }
-  /// From a vector by the tangents to its amount along a row.
+  /// Turns a vector by the tangents into its amount along a row.
   KOKKOS_INLINE_FUNCTION double by_row(int row, const double v[2]) const {
     return along(row, 0) * v[0] + along(row, 1) * v[1];
   }
@@ -69,12 +69,12 @@ struct FrictionArrays {
         drift("cgcontact::friction::drift", groups) {}
   int num_groups() const { return static_cast<int>(coefficient.extent(0)); }
 
-  /// From amounts by rows to those by tangents.
+  /// Turns amounts by rows into those by tangents.
   KOKKOS_INLINE_FUNCTION void by_tangents(int g, double first, double second, double out[2]) const {
     const TangentFrame f = frame(g);
     for (int i = 0; i < 2; ++i) out[i] = f.along(0, i) * first + f.along(1, i) * second;
   }
-  /// Slip of a group by tangents, m. change: of all rows of friction.
+  /// Computes the slip of a group by tangents, m. change: of all rows of friction.
   template <class Change>
   KOKKOS_INLINE_FUNCTION void slip(int g, const Change& change, double out[2]) const {
     by_tangents(g, change(row(g)), num_rows(g) > 1 ? change(row(g) + 1) : 0, out);
@@ -90,7 +90,7 @@ struct FrictionArrays {
   }
 };
 
-/// Pressure of each point, as the last solution has it. change: of the mean gap of all groups, m.
+/// Takes the pressure of each point from the last solution. change: of the mean gap of all groups, m.
 template <class Exec, class Memory>
 void take_pressures(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
                     const Kokkos::View<double*, Memory>& change) {
@@ -141,7 +141,7 @@ void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, cons
       });
 }
 
-/// Force of a group whose points follow the law, N, and -d force / d slip, N/m, by tangents.
+/// Computes the force of a group whose points follow the law, N, and -d force / d slip, N/m, by tangents.
 template <class Memory>
 KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction, int f, double k, const double slip[2],
                                          double force[2], double stiffness[3]) {
@@ -195,8 +195,8 @@ void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& grou
       });
 }
 
-/// Force of every row, N, by the law at the slip start + t step less the linear one: excess_forces() of friction.
-/// start, step, excess: of the rows of friction.
+/// Computes the force of every row, N, by the law at the slip start + t step less the linear one: excess_forces() of
+/// friction. start, step, excess: of the rows of friction.
 template <class Exec, class Memory, class Rows>
 void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
                      const Rows& start, const Rows& step, double t, const Rows& excess) {
@@ -223,7 +223,7 @@ struct FrictionState {
   typename FrictionArrays<Memory>::Flags slips;
 };
 
-/// The state at the present slip of the groups. An open point sticks where it is.
+/// Updates the state at the present slip of the groups. An open point sticks where it is.
 template <class Exec, class Memory, class Change>
 void friction_state(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
                     const Change& change, const FrictionState<Memory>& state) {

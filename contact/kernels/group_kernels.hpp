@@ -52,7 +52,7 @@ struct ContactGroupArrays {
 template <class Exec, class Memory>
 constexpr bool reaches = Kokkos::SpaceAccessibility<Exec, Memory>::accessible;
 
-/// y(g) = start(g) + factor * sum over row g of value x(column).
+/// Computes y(g) = start(g) + factor * sum over row g of value x(column).
 template <class Exec, class Numbers, class Rows, class X, class Values>
 void multiply_rows(const Exec& exec, const Numbers& begin, const Numbers& column, const Rows& value, const X& x,
                    double factor, const Values& start, const Values& y) {
@@ -66,8 +66,8 @@ void multiply_rows(const Exec& exec, const Numbers& begin, const Numbers& column
       });
 }
 
-/// Force of each group in terms of `unit` (N): sum over its closed points of w (p* - k gap). change: of the mean gap,
-/// m.
+/// Computes the force of each group in terms of `unit` (N): sum over its closed points of w (p* - k gap). change: of
+/// the mean gap, m.
 template <class Exec, class Memory>
 void group_forces(const Exec& exec, const ContactGroupArrays<Memory>& groups,
                   const Kokkos::View<double*, Memory>& change, double unit,
@@ -99,7 +99,7 @@ void closed_stiffness(const Exec& exec, const ContactGroupArrays<Memory>& groups
       });
 }
 
-/// Largest magnitude of p* - k gap of the points of each group, Pa.
+/// Finds the largest magnitude of p* - k gap of the points of each group, Pa.
 template <class Exec, class Memory>
 void largest_pressures(const Exec& exec, const ContactGroupArrays<Memory>& groups,
                        const Kokkos::View<double*, Memory>& change, const Kokkos::View<double*, Memory>& largest) {
@@ -133,9 +133,9 @@ void close_pressing(const Exec& exec, const ContactGroupArrays<Memory>& groups,
       });
 }
 
-/// Force of each group, N, that all points press with at the gap start + t step, less that of those taken for closed;
-/// zero where the energy is linear in the active set as it is: bonded groups, and zones smaller than the cells.
-/// start and step: changes of the mean gap, m.
+/// Computes the force of each group, N, that all points press with at the gap start + t step, less that of those taken
+/// for closed; zero where the energy is linear in the active set as it is: bonded groups, and zones smaller than the
+/// cells. start and step: changes of the mean gap, m.
 template <class Exec, class Memory>
 void excess_forces(const Exec& exec, const ContactGroupArrays<Memory>& groups,
                    const Kokkos::View<double*, Memory>& start, const Kokkos::View<double*, Memory>& step, double t,

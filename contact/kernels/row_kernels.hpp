@@ -85,7 +85,7 @@ int scan_in_place(const Exec& exec, const Kokkos::View<int*, Memory>& numbers) {
   return sum;
 }
 
-/// Rows of the groups of one pair. first_point: (groups + 1), in `points`; area: of each group, m^2.
+/// Makes the rows of the groups of one pair. first_point: (groups + 1), in `points`; area: of each group, m^2.
 template <class Exec, class Memory>
 CompressedGapRows<Memory> gap_rows(const Exec& exec, const ContactPointArrays<Memory>& points,
                                    const Kokkos::View<int*, Memory>& first_point,

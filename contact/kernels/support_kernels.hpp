@@ -59,7 +59,7 @@ struct SupportArrays {
   int size() const { return static_cast<int>(weight.extent(0)); }
 };
 
-/// moved(s) += factor * u along the direction of each support.
+/// Adds factor * u along the direction of each support to moved(s).
 template <class Exec, class Memory, class U>
 void add_displacements(const Exec& exec, const SupportArrays<Memory>& supports, const U& u, double factor,
                        const Kokkos::View<double*, Memory>& moved) {
@@ -87,7 +87,8 @@ void support_tractions(const Exec& exec, const SupportArrays<Memory>& supports,
       });
 }
 
-/// Forces of supports in terms of `unit` (N): of the lagged stresses, and of what is prescribed beyond `moved` (m).
+/// Computes forces of supports in terms of `unit` (N): of the lagged stresses, and of what is prescribed beyond `moved`
+/// (m).
 template <class Exec, class Memory>
 void support_amounts(const Exec& exec, const SupportArrays<Memory>& supports,
                      const Kokkos::View<double*, Memory>& moved, double unit,
@@ -116,7 +117,7 @@ struct TouchedNodes {
   int size() const { return static_cast<int>(node.extent(0)); }
 };
 
-/// Forces at the touched degrees of freedom: of supports, sum of shape * direction * amount(support).
+/// Adds forces at the touched degrees of freedom: of supports, sum of shape * direction * amount(support).
 template <class Exec, class Memory>
 void add_support_forces(const Exec& exec, const TouchedNodes<Memory>& touched, const SupportArrays<Memory>& supports,
                         const Kokkos::View<double*, Memory>& amount, const Kokkos::View<double*, Memory>& force) {
@@ -137,7 +138,7 @@ void add_support_forces(const Exec& exec, const TouchedNodes<Memory>& touched, c
       });
 }
 
-/// The same of contact groups: sum of coefficient * amount(group).
+/// Adds those of contact groups: sum of coefficient * amount(group).
 template <class Exec, class Memory>
 void add_contact_forces(const Exec& exec, const TouchedNodes<Memory>& touched,
                         const Kokkos::View<double*, Memory>& amount, const Kokkos::View<double*, Memory>& force) {

@@ -33,15 +33,16 @@ struct ContactPair {
   ContactPoints points;
   std::vector<ContactGroup> groups;
   int copies = 1;
-  /// Points and groups of one copy: those of the surface.
+  /// Return the points and groups of one copy: those of the surface.
   std::size_t num_places() const { return points.size() / copies; }
   std::size_t num_pieces() const { return groups.size() / copies; }
   bool bonded() const { return spec->bonded; }
-  /// Coulomb's coefficient; 0: no friction.
+  /// Returns Coulomb's coefficient; 0: no friction.
   double friction() const { return spec->friction; }
   /// Directions along the faces in which friction acts: none without it, one in plane strain, else two.
   int num_tangents = 0;
-  /// Those at a point, unit, orthogonal to its normal and to each other, global axes; the first `num_tangents` count.
+  /// Returns those at a point, unit, orthogonal to its normal and to each other, global axes; the first `num_tangents`
+  /// count.
   std::array<Vec3, 2> tangents(std::size_t point) const;
   /// Calls use(tangent) for those that count at a point: none without friction.
   template <class Use>
@@ -76,16 +77,17 @@ struct FrictionPoints {
 std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
                                            const Vec3& x, const Vec3& n);
 
-/// Pairs of the scene, in its order and without automatic ones out of reach; also marks the bodies' boundary points
-/// that have an opposite surface. `wider`: for each contact of the scene, m: it sees at least as far as that (empty:
-/// 0). Throws InputError if a named pair has no point in reach, or bodies overlap by more than contact can take.
+/// Makes the pairs of the scene, in its order and without automatic ones out of reach; also marks the bodies' boundary
+/// points that have an opposite surface. `wider`: for each contact of the scene, m: it sees at least as far as that
+/// (empty: 0). Throws InputError if a named pair has no point in reach, or bodies overlap by more than contact can
+/// take.
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
                                             const std::vector<double>& wider = {});
 
 /// Sets the interference of a pair, m, and with it the initial gaps; bonded faces have none.
 void set_interference(ContactPair& pair, double interference);
 
-/// Nodes of a body's cells within a few cells of its contact faces.
+/// Returns the nodes of a body's cells within a few cells of its contact faces.
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
                           const BodyMesh& mesh);
 

@@ -5,10 +5,11 @@
 
 namespace cgcontact {
 
-/// Lengths by the largest cells, stresses by the largest Young's modulus.
+/// Makes the scales: lengths by the largest cells, stresses by the largest Young's modulus.
 Scales make_scales(const Scene& scene);
 
-/// The contact groups are open at first. The bodies must outlive the system. exec: what makes the rows of the groups.
+/// Makes the system; the contact groups are open at first. The bodies must outlive it. exec: what makes the rows of the
+/// groups.
 ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyModel>& bodies,
                                   const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                   const Scales& scales, const ExecSpace& exec);

@@ -33,7 +33,7 @@ class GapSampler {
   std::unique_ptr<Impl> impl_;
 };
 
-/// For one limit.
+/// Samples the gap for one limit.
 std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
                                   const ContactGroup& group, double limit);
 

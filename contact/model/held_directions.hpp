@@ -20,7 +20,7 @@ struct HeldDirection {
   double stiffness = 0;  ///< of springs, Pa/m; 0: held
 };
 
-/// x in m, n the outward normal, global axes.
+/// Returns the held directions at x (m), n the outward normal, global axes.
 std::vector<HeldDirection> held_at(const SupportSpec& support, const SupportedFace& face, const Vec3& x, const Vec3& n);
 
 }  // namespace cgcontact

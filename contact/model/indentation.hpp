@@ -13,7 +13,7 @@ constexpr double indentation = 1.07;
 /// Width of a contact zone over that of the overlap: 0.71 for spheres, 0.64 for cones and wedges.
 constexpr double width_of_overlap = 0.7;
 
-/// E* of two bodies, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, Pa.
+/// Returns E* of two bodies, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, Pa.
 double effective_modulus(const Material& a, const Material& b);
 
 /// Stiffness of an elliptic punch over that of a circular one of the same area; aspect: of its axes, >= 1 (Johnson,

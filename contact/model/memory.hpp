@@ -15,7 +15,8 @@ struct BodySize {
   bool plane_strain = false;
 };
 
-/// Without making the body's cells: from its cells on a coarser grid, or on a less coarse one that takes longer.
+/// Estimates the size without making the body's cells: from its cells on a coarser grid, or on a less coarse one that
+/// takes longer.
 BodySize estimate_size(const BodySpec& body, bool finer = false);
 BodySize size_of(const CutCells& cut_cells);
 
@@ -34,18 +35,18 @@ struct MemoryExtras {
   bool cad = false;                     ///< OpenCASCADE is loaded
 };
 
-/// Before the cells are made.
+/// Returns them before the cells are made.
 MemoryExtras memory_extras(const Scene& scene);
 
-/// Expected peak memory of a run in bytes: a measured model.
+/// Returns the expected peak memory of a run in bytes: a measured model.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras);
 
 /// Throws InputError if the expected memory is more than there is (memory_budget), and names the cell sizes that would
 /// fit.
 void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras);
 
-/// The same before any cells are made, from estimated sizes: what is too large by far is refused at once, what is too
-/// large by little within a second or two.
+/// Checks before any cells are made, by estimated sizes: what is too large by far is refused at once, what is too large
+/// by little within a second or two.
 void check_memory_early(const Scene& scene, bool near_limit_too);
 
 }  // namespace cgcontact

@@ -40,11 +40,11 @@ struct BodyModel {
   double free_thickness = 0;      ///< the same over the area that no support holds
   double slices = 1;              ///< Grid::slices
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around the cells, m
-  /// Less than two cells thick, of that cell's size.
+  /// Returns whether the body is less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
   Vec3 normal(int boundary_point) const { return cut_cells.grid.rotation * cut_cells.boundary.normal[boundary_point]; }
-  /// m^2; on a quadtree of the slice
+  /// Returns m^2; on a quadtree of the slice.
   double area(int boundary_point) const {
     return cut_cells.boundary.weight[boundary_point] * cut_cells.grid.cell_size * cut_cells.grid.cell_size;
   }
@@ -59,7 +59,7 @@ void extend_box(const CutCells& cut_cells, int cell, Vec3& low, Vec3& high);
 /// Returns the traction that gives a load of the scene its force and moment; zero for loads without.
 FaceTraction resultant_of(const BodyModel& body, int load);
 
-/// Held directions of a support at x (m) with the outward normal n, global axes.
+/// Returns the held directions of a support at x (m) with the outward normal n, global axes.
 std::vector<HeldDirection> held_at(const Scene& scene, const BodyModel& body, int support, const Vec3& x,
                                    const Vec3& n);
 
@@ -69,7 +69,7 @@ class BodyFace {
   BodyFace(const FaceSpec& face, const BodyModel& body) : face_(face), body_(body) {
     for (const Surface& s : body.cut_cells.solid.surfaces()) selected_.push_back(face.selects(s.names));
   }
-  /// All of it.
+  /// Returns all points.
   std::vector<int> points() const {
     std::vector<int> all;
     for (int p = 0; p < static_cast<int>(body_.cut_cells.boundary.size()); ++p)
@@ -94,7 +94,7 @@ class BodyFace {
 /// Modulus of the stabilisation of supports and contact, Pa: E up to nu = 0.3, beyond that in proportion to the P-wave
 /// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
 double stabilising_modulus(const Material& material);
-/// The same for supports: of a rigid body that of the stiffest elastic one.
+/// Returns the same for supports: of a rigid body that of the stiffest elastic one.
 double support_modulus(const Scene& scene, const BodySpec& body);
 
 /// One constrained direction at one boundary point of a support.
@@ -114,18 +114,19 @@ struct SupportPoint {
   double spring = 0;  ///< Pa/m; 0: held
 };
 
-/// Pa/m: that of the point's spring, or kappa E/h with the stabilising modulus. The scene's kappa is the contact's. On
-/// a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times
-/// stiffer there (docs/decisions.md). Rigid bodies: firm_on_rigid.
+/// Returns Pa/m: that of the point's spring, or kappa E/h with the stabilising modulus. The scene's kappa is the
+/// contact's. On a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa:
+/// three times stiffer there (docs/decisions.md). Rigid bodies: firm_on_rigid.
 double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point);
 
-/// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
+/// Makes the grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box
+/// needs.
 Grid make_grid(const BodySpec& body);
 
-/// Tractions, body forces and temperature of the scene, all times a factor, as boundary data of a body.
+/// Sets tractions, body forces and temperature of the scene, all times a factor, as boundary data of a body.
 void set_loads(const Scene& scene, const StepSpec& step, BodyModel& model);
 
-/// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
+/// Makes cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
 std::vector<BodyModel> make_body_models(const Scene& scene);
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
@@ -135,15 +136,16 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
 void each_force(const BodyModel& body,
                 const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);
 
-/// Force (N) and moment (N m) about a point (m) of a force per volume (N/m^3), integrated as those of each_force.
+/// Returns force (N) and moment (N m) about a point (m) of a force per volume (N/m^3), integrated as those of
+/// each_force.
 std::pair<Vec3, Vec3> resultants_of_volume(const BodyModel& body, const std::function<Vec3(const Vec3& x)>& force,
                                            const Vec3& about);
 
-/// Consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
+/// Returns consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
                                      const Scales& scales);
 
-/// Resultant of nodal forces (units of make_load_vector) on each body, N, global axes.
+/// Returns the resultant of nodal forces (units of make_load_vector) on each body, N, global axes.
 std::vector<Vec3> force_of_body(const std::vector<BodyModel>& bodies, const ElasticSystem& system, const Scales& scales,
                                 const std::vector<double>& nodal_forces);
 

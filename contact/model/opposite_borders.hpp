@@ -6,14 +6,14 @@
 
 namespace cgcontact {
 
-/// Planes (grid coordinates of `own`) that divide a surface of one body where its normals meet the borders of a
+/// Returns planes (grid coordinates of `own`) that divide a surface of one body where its normals meet the borders of a
 /// declared face of the other body. Exact between planes, between coincident surfaces, and between concentric spheres
 /// or cylinders; where a border has no plane image (the rim of a ball's cap seen from a plane) there is none.
 /// `dividers`: box_dividers of the other body and its face.
 std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutCells& other, const FaceSpec& face,
                                     const std::vector<Plane>& dividers);
 
-/// The planes of a face's box that divide it; grid coordinates.
+/// Returns the planes of a face's box that divide it; grid coordinates.
 std::vector<Plane> box_dividers(const CutCells& cut_cells, const FaceSpec& face);
 
 }  // namespace cgcontact

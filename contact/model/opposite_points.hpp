@@ -21,18 +21,18 @@ struct OppositePoint {
   Vec3 normal;      ///< outward of the other body, global axes
 };
 
-/// The boundary point of `other` (face `face`) on the line x + t n that a boundary point x of `own` with the outward
-/// normal n touches or would touch: its outward normal opposes n, and between the two lies neither body (a gap, t > 0)
-/// or both of them (an overlap, t < 0). So the far side of a thin body is never met, nor what lies behind one.
+/// Finds the boundary point of `other` (face `face`) on the line x + t n that a boundary point x of `own` with the
+/// outward normal n touches or would touch: its outward normal opposes n, and between the two lies neither body (a gap,
+/// t > 0) or both of them (an overlap, t < 0). So the far side of a thin body is never met, nor what lies behind one.
 std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel& other, const FaceSpec& face,
                                            const Vec3& x, const Vec3& n, const Reach& reach);
 
 /// Returns whether the body comes between a point and another one `distance` (m) ahead of it.
 bool comes_between(const BodyModel& body, const Vec3& x, const Vec3& n, double distance);
 
-/// Longest edge of the box around a body in global axes, m.
+/// Returns the longest edge of the box around a body in global axes, m.
 double longest_extent(const BodyModel& body);
-/// Least distance between the boxes around two bodies in global axes, m; 0 if they overlap.
+/// Returns the least distance between the boxes around two bodies in global axes, m; 0 if they overlap.
 double box_distance(const BodyModel& a, const BodyModel& b);
 
 }  // namespace cgcontact

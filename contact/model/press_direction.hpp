@@ -23,7 +23,7 @@ struct FacingNormals {
   Mat3 own_spread = Mat3::Zero(), opposite_spread = Mat3::Zero();
 
   void add(double weight, const Vec3& x, const Vec3& normal, const Vec3& opposite_normal);
-  /// A tip, not a cup.
+  /// Returns whether it is a tip, not a cup.
   bool is_tip() const;
   void add(const FacingNormals& other);
   Vec3 direction() const;

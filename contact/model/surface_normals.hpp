@@ -11,8 +11,8 @@ class SurfaceNormals {
  public:
   /// The body must outlive this.
   explicit SurfaceNormals(const BodyModel& body);
-  /// Unit normal, global axes, of the surface in the active cell that is nearest to a point x in grid coordinates;
-  /// outward, but inward for surfaces of a subtracted shape.
+  /// Returns the unit normal, global axes, of the surface in the active cell that is nearest to a point x in grid
+  /// coordinates; outward, but inward for surfaces of a subtracted shape.
   Vec3 operator()(int cell, const Vec3& x) const;
 
  private:

@@ -19,19 +19,19 @@ struct FreeMotions {
   bool empty() const { return modes.cols() == 0; }
   /// Returns whether there is a motion without any rotation.
   bool slides() const;
-  /// Those without any rotation.
+  /// Returns those without any rotation.
   FreeMotions without_rotation() const;
 };
 
-/// With the present state of the contact points. Motions that are resisted by less than `no_stiffness` of what is
-/// resisted most count as free.
+/// Finds free motions at the present state of the contact points: those resisted by less than `no_stiffness` of what is
+/// resisted most.
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
 
 /// Resistance of a body against its rigid motions: sum of w q q^T.
 using Resistance = Eigen::Matrix<double, 6, 6>;
 
-/// Columns that span the motions of a body that a resistance does not resist.
+/// Returns columns that span the motions of a body that a resistance does not resist.
 Eigen::MatrixXd motions_not_resisted(const Resistance& resistance);
 
 /// Adds the resistance of a support point to its body and to those that are bonded to it (bonded_assemblies).
@@ -48,8 +48,8 @@ struct SurfaceMotions {
 SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                     const std::vector<ContactPair>& pairs);
 
-/// Those of `free` (of points with the normals of the primary body) that no point resists with the normals of the
-/// secondary body either.
+/// Returns those of `free` (of points with the normals of the primary body) that no point resists with the normals of
+/// the secondary body either.
 FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
                                const std::vector<ContactPair>& pairs);
 
@@ -58,8 +58,8 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
                                                     const std::vector<SupportPoint>& supports,
                                                     const std::vector<ContactPair>& pairs);
 
-/// Work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the forces'
-/// magnitudes.
+/// Returns the work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the
+/// forces' magnitudes.
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
                                             const std::vector<RigidPiece>& pieces);
 
@@ -67,14 +67,15 @@ std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies
 /// column, or none.
 FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load = 1e-7);
 
-/// "y" for a direction along an axis, else three components.
+/// Returns "y" for a direction along an axis, else three components.
 std::string direction_text(Vec3 direction);
 
-/// "body "ball" is free to move along (1.000, 0.000, 0.000) and to rotate about all axes"; of the body that moves most.
+/// Returns "body "ball" is free to move along (1.000, 0.000, 0.000) and to rotate about all axes"; of the body that
+/// moves most.
 std::string describe(const FreeMotions& free, const Scene& scene);
 
-/// As many held points as there are free motions, none of them redundant: they carry no force unless loads drive the
-/// motions. Their `support` is -1.
+/// Returns as many held points as there are free motions, none of them redundant: they carry no force unless loads
+/// drive the motions. Their `support` is -1.
 std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyModel>& bodies);
 
 }  // namespace cgcontact

@@ -16,7 +16,7 @@ struct RigidPiece {
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around its cells, m
   Vec3 centre() const { return 0.5 * (low + high); }
   double size() const { return (high - low).maxCoeff(); }
-  /// Row q with q . motion = u(x) . d.
+  /// Returns the row q with q . motion = u(x) . d.
   RigidMotion row(const Vec3& x, const Vec3& d) const {
     RigidMotion q;
     q << d, ((x - centre()) / size()).cross(d);
@@ -30,7 +30,7 @@ struct RigidPieces {
   int at(int body, int cell) const { return of_cell.empty() ? body : of_cell[body][cell]; }
 };
 
-/// One per body, in their order.
+/// Returns one per body, in their order.
 RigidPieces whole_bodies(const std::vector<BodyModel>& bodies);
 /// Finds the connected components of bodies.
 RigidPieces separate_pieces(const std::vector<BodyModel>& bodies);

@@ -6,7 +6,8 @@
 
 namespace cgcontact {
 
-/// A row of a pair at a grid position on the boundary of a body, with the outward normal (global axes); without weight.
+/// Makes a row of a pair at a grid position on the boundary of a body, with the outward normal (global axes); without
+/// weight.
 ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, const Vec3& position,
                        const Vec3& normal);
 

@@ -22,7 +22,7 @@ class ContactZone {
  public:
   ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index);
 
-  /// Without images.
+  /// Returns the forces without images.
   const std::vector<TransmittedForce>& forces() const { return forces_; }
   /// Returns the images of the points within some cells of a symmetry plane that both bodies of their pair have.
   const std::vector<TransmittedForce>& images() const { return images_; }

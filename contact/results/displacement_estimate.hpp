@@ -3,8 +3,9 @@
 
 namespace cgcontact {
 
-/// Relative, of the displacement that the loads do their work on (the largest one, mostly), from the relative error of
-/// the energy norm: the energy is too small, or too large, by its square exactly. Twice that, as of a contact's force.
+/// Returns the relative error of the displacement that the loads do their work on (the largest one, mostly), from the
+/// relative error of the energy norm: the energy is too small, or too large, by its square exactly. Twice that, as of a
+/// contact's force.
 inline double displacement_estimate(double energy_error) { return 2 * energy_error * energy_error; }
 
 }  // namespace cgcontact

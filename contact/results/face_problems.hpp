@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// Needs the solution; bonded pairs have none.
+/// Solves the problems of the faces. Needs the solution; bonded pairs have none.
 FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& state);
 
 }  // namespace cgcontact

@@ -24,7 +24,7 @@ void fill_friction(const SolvedState& state, Results& results);
 /// constant times what the pressure does (Johnson, Contact Mechanics, 2.2 and 5.4), not at all for one material.
 bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair);
 
-/// Warnings: bodies that slip while they are pressed in few steps; slip that is no longer small.
+/// Warns of bodies that slip while they are pressed in few steps; of slip that is no longer small.
 std::vector<std::string> friction_warnings(const SolvedState& state);
 
 /// Pressed point: m, outward unit normal, m^2 of area.

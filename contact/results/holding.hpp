@@ -14,7 +14,7 @@ Vec3 holding_force(const SolvedState& state, int body);
 /// force on the body: by so much the contact forces on it may be wrong. Zero: nothing holds it, or no contact acts on
 /// it.
 double held_part(const SolvedState& state, int body);
-/// The larger one of the two bodies of a pair.
+/// Returns the larger one of the two bodies of a pair.
 double held_part(const SolvedState& state, const ContactPair& pair);
 
 /// Warns of bodies that are held along surfaces, with the force that it takes. Empty: none are.
@@ -23,7 +23,7 @@ std::string place_keeping_warning(const SolvedState& state);
 /// Returns whether any pair carries more than rounding beside all that acts on the bodies.
 bool contact_carries(const SolvedState& state);
 
-/// N, sum of all that acts on a body: what the linear solver leaves.
+/// Returns the sum of all that acts on a body, N: what the linear solver leaves.
 double imbalance(const BodyBalance& balance);
 
 /// Says which pair's force is no contact force, although the iteration converged: it pulls, or the forces on a body do

@@ -11,8 +11,9 @@ namespace cgcontact {
 /// Returns the change of the gap at a contact point by the deformation, m.
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactPoint& point);
 
-/// For each contact of the scene, m: how far it has to see, so that the points that lie inside the other body after the
-/// deformation belong to it. Empty if there are none. Contacts with a search_distance of their own are left alone.
+/// Returns for each contact of the scene, m, how far it has to see, so that the points that lie inside the other body
+/// after the deformation belong to it. Empty if there are none. Contacts with a search_distance of their own are left
+/// alone.
 std::vector<double> missed_contact(const SolvedState& state);
 
 /// The smallest gap between the deformed faces of a pair, negative where they overlap: at the faces' boundary points

@@ -23,11 +23,11 @@ struct UnclearGap {
   double force = 0;           ///< N: of a flat punch as wide as a cell under an overlap of the error less the gap
 };
 
-/// Factor of the cells, and so of the error of the energy norm, that brings the error of a gap down to the gap, or to a
-/// tenth of itself where the gap is less: cells a third as large are worth a try.
+/// Returns the factor of the cells, and so of the error of the energy norm, that brings the error of a gap down to the
+/// gap, or to a tenth of itself where the gap is less: cells a third as large are worth a try.
 double refinement_to_tell(double gap, double error);
 
-/// One for each pair without contact whose smallest gap is not larger than its estimated error.
+/// Returns one for each pair without contact whose smallest gap is not larger than its estimated error.
 std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -13,7 +13,7 @@ namespace cgcontact {
 void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
                         std::vector<ContactRow>& rows);
 
-/// Is there pressure at a touching row? `largest`: of its pair.
+/// Returns whether there is pressure at a touching row. `largest`: of its pair.
 bool is_pressed(const ContactRow& row, double largest);
 
 /// Appends the figures of all pairs. A pair without closed points, or whose forces are rounding beside those of the
@@ -24,8 +24,8 @@ void fill_pair_figures(const SolvedState& state, Results& results);
 /// nothing.
 std::vector<double> normal_forces(const SolvedState& state);
 
-/// A sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the force that the
-/// solution transmits.
+/// Returns a sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the force
+/// that the solution transmits.
 std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -19,7 +19,7 @@ class PairGroups {
   PairGroups(const SolvedState& state, int pair, const double* group_force);
   const std::vector<GroupOnFace>& groups() const { return groups_; }
   const ContactPair& pair() const { return pair_; }
-  /// Closed groups of each zone: those nearer to each other than what a problem looks at (`reach`, cells).
+  /// Returns the closed groups of each zone: those nearer to each other than what a problem looks at (`reach`, cells).
   std::vector<std::vector<int>> zones(double reach) const;
 
  private:

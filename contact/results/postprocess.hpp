@@ -6,18 +6,18 @@
 
 namespace cgcontact {
 
-/// Cells, iterations, patches; needs no other results.
+/// Fills cells, iterations, patches; needs no other results.
 void fill_counts(const SolvedState& state, Results& results);
-/// Number of ranks and what each had to do so far. Collective.
+/// Fills the number of ranks and the work of each so far. Collective.
 void fill_rank_figures(Results& results);
-/// Displacement and stress fields, error estimate and effectivity. They refer to the state.
+/// Fills displacement and stress fields, error estimate and effectivity. They refer to the state.
 void fill_body_fields(const SolvedState& state, Results& results);
-/// The fields alone.
+/// Fills the fields alone.
 void fill_fields(const SolvedState& state, Results& results);
 void fill_support_figures(const SolvedState& state, Results& results);
 /// Resultants on every body; needs the pair figures.
 void fill_balance(const SolvedState& state, Results& results);
-/// Relative L2 errors of the pressure per zone (norm of the reference over the whole face) and stress errors.
+/// Fills relative L2 errors of the pressure per zone (norm of the reference over the whole face) and stress errors.
 void fill_pressure_errors(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

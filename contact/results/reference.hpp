@@ -14,7 +14,7 @@ class ReferenceTable {
  public:
   /// Throws InputError (unreadable file, not a number, fewer than min_columns, unsorted).
   ReferenceTable(const std::string& file, int min_columns);
-  /// Linear interpolation of a column at `s`; clamped at the ends.
+  /// Interpolates a column linearly at `s`; clamped at the ends.
   double operator()(double s, int column) const;
 
  private:
@@ -28,7 +28,7 @@ class Reference {
   Reference(const Scene& scene, const ReferenceSpec& spec);
   bool has_pressure() const { return pressure_table_ || spec_.pressure; }
   bool has_stress() const { return stress_table_.has_value() || !spec_.stress_of_body.empty(); }
-  /// Pa
+  /// Returns Pa.
   double pressure(const Vec3& x) const;
   /// Stress of body `side` at x on the contact face, Pa, global axes. Tables are plane strain in the y-z plane:
   /// xx = nu (yy + zz).

@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// BodyFields::rigid of all rigid bodies. Needs the bodies and the forces of the pairs.
+/// Fills BodyFields::rigid of all rigid bodies. Needs the bodies and the forces of the pairs.
 void fill_rigid_figures(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

@@ -6,8 +6,8 @@
 
 namespace cgcontact {
 
-/// Forces, moments, areas, volumes and energies of the slice become those of the bodies. Forces on their ends are those
-/// of any slice. Does nothing without quadtrees.
+/// Scales forces, moments, areas, volumes and energies of the slice to those of the bodies. Forces on their ends are
+/// those of any slice. Does nothing without quadtrees.
 void scale_to_thickness(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

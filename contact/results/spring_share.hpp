@@ -16,7 +16,7 @@ struct SpringShare {
   std::vector<std::string> faces;  ///< "body.face" that the springs are on
 };
 
-/// Bodies whose springs and contact resist the same push side by side, where the springs take more than
+/// Returns bodies whose springs and contact resist the same push side by side, where the springs take more than
 /// ResultOptions::largest_imbalance of it. A body that contact presses against its springs (an elastic foundation) is
 /// none of them. Needs the figures of pairs and supports and the balance.
 std::vector<SpringShare> spring_shares(const SolvedState& state, const Results& results);

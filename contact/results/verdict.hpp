@@ -9,15 +9,15 @@ namespace cgcontact {
 /// A pair that carries less of the largest force of all pairs does not decide about the run.
 constexpr double relevant_part_of_force = 0.01;
 
-/// N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
+/// Returns N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double pressing_force(const PairFigures& figures);
-/// N, of all pairs.
+/// Returns N, of all pairs.
 double largest_pressing_force(const Results& results);
 
 /// Returns a sentence for each pair without a force whose faces may still touch.
 std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results);
 
-/// Needs the pair figures with their gaps, contact rows and contact links of the last recovery.
+/// Judges the run. Needs the pair figures with their gaps, contact rows and contact links of the last recovery.
 Verdict judge(const SolvedState& state, const Results& results);
 
 /// Makes contacts not resolved whose estimated errors of the pressure, added up over their faces, are more than

@@ -15,7 +15,7 @@ struct ZonePlace {
   std::vector<SymmetryPlane> planes;  ///< behind which it goes on; none where they are neither parallel nor across
   std::optional<Vec3> normal;         ///< mean, outward of the primary body, where the zone is nearly flat
 };
-/// Needs contact rows and PairFigures::max_pressure.
+/// Finds the zone. Needs contact rows and PairFigures::max_pressure.
 ZonePlace place_of_zone(const SolvedState& state, const Results& results, int pair);
 
 }  // namespace cgcontact

@@ -8,8 +8,8 @@ namespace cgcontact {
 
 class ZonePatches {
  public:
-  /// closed: groups of the zone; planes: symmetry planes of both bodies. None: all points around are closed, the face
-  /// has no chart, or the zone is so wide that its problem would take longer than the bodies'.
+  /// Makes the patches. closed: groups of the zone; planes: symmetry planes of both bodies. None: all points around are
+  /// closed, the face has no chart, or the zone is so wide that its problem would take longer than the bodies'.
   static std::optional<ZonePatches> make(const SolvedState& state, const PairGroups& face,
                                          const std::vector<int>& closed, const std::vector<SymmetryPlane>& planes,
                                          const FaceOptions& options);
@@ -19,7 +19,7 @@ class ZonePatches {
   double h() const { return h_; }                  ///< m, the larger cells of both bodies at the zone
   double thickness() const { return thickness_; }  ///< m, of plane strain; else 1
   bool is_closed(int point) const { return face_.groups()[pair_.points.group(point)].closed(); }
-  /// Contact points of the zone and around, and their coordinates on the face.
+  /// Return contact points of the zone and around, and their coordinates on the face.
   const std::vector<int>& points() const { return near_; }
   const std::vector<Vec3>& places() const { return places_; }
   /// Coordinates as a point for searches.

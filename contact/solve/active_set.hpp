@@ -7,15 +7,15 @@
 
 namespace cgcontact {
 
-/// Closed at the start: where bodies meet that loads alone press together; else as few points as hold them against the
-/// loads.
+/// Closes points at the start: where bodies meet that loads alone press together; else as few points as hold them
+/// against the loads.
 void initialise_active_set(Iterate& iterate);
 
-/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
-/// the displacements (bodies that touch without force) nothing changes.
+/// Activates points where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa
+/// E/h times the displacements (bodies that touch without force) nothing changes.
 void close_pressing_points(Iterate& iterate);
 
-/// That, and the zones smaller than the cells. decide: also which groups lie in them.
+/// Updates that, and the zones smaller than the cells. decide: also which groups lie in them.
 void update_active_set(Iterate& iterate, bool decide);
 
 /// Opens the pairs that separate as the loads move the bodies that contact does not balance; returns their names.

@@ -18,7 +18,7 @@ class ActiveSetHistory {
   /// Iterations that changed the active set to one that it was before. An iteration that converges has none or one by
   /// chance.
   bool cycles() const { return repeats_ > 2; }
-  /// The pair most of whose points kept changing in the last iterations, how many and where (m).
+  /// Describes the pair most of whose points kept changing in the last iterations, how many and where (m).
   std::string describe(const std::vector<ContactPair>& pairs) const;
 
  private:

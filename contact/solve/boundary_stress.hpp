@@ -8,8 +8,8 @@
 
 namespace cgcontact {
 
-/// Cells of each body in which the outer loop evaluates the recovered stress, ascending; of several ranks those of
-/// its own points (share_out of the points of supports and of each pair).
+/// Returns cells of each body in which the outer loop evaluates the recovered stress, ascending; on several ranks those
+/// of its own points (share_out of the points of supports and of each pair).
 std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
                                                const std::vector<ContactPair>& pairs, std::size_t num_bodies);
 
@@ -22,7 +22,7 @@ class BoundaryStress {
   /// Recovers from the displacements (all bodies).
   void update(const RealView& u);
 
-  /// n . sigma* . e at cell coordinates of one of the cells; n, e in global axes; units Scales::stress.
+  /// Returns n . sigma* . e at cell coordinates of one of the cells; n, e in global axes; units Scales::stress.
   double traction(int cell, const Vec3& xi, const Vec3& n, const Vec3& e) const;
 
  private:

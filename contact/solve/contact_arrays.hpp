@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// Groups and points of all pairs; `active` is that of the pairs' points where kernels reach the host's memory.
+/// Makes groups and points of all pairs; `active` is that of the pairs' points where kernels reach the host's memory.
 ContactGroupArrays<MemSpace> make_group_arrays(const OuterProblem& problem);
 /// Copies what changes in the outer iteration and between solves: stiffness and gaps of the groups, zones smaller than
 /// the cells, closed points.
@@ -15,7 +15,7 @@ void take_state(const OuterProblem& problem, const SmallZones& zones, const Cont
 /// Hands which points are closed back to the pairs.
 void give_state(const OuterProblem& problem, const ContactGroupArrays<MemSpace>& groups);
 
-/// Without their values, which take_values() sets: springs that follow a motion change them.
+/// Makes the arrays without their values, which take_values() sets: springs that follow a motion change them.
 SupportArrays<MemSpace> make_support_arrays(const OuterProblem& problem);
 void take_values(const OuterProblem& problem, const SupportArrays<MemSpace>& supports);
 

@@ -23,40 +23,40 @@ class Friction {
   explicit Friction(const OuterProblem& problem);
 
   bool any() const { return arrays_.num_groups() > 0; }
-  /// The rows of friction come after those of all contact groups.
+  /// Returns the first row of friction, which come after those of all contact groups.
   int first_row() const { return first_row_; }
   int num_rows() const { return static_cast<int>(arrays_.linear.extent(0)); }
   const FrictionArrays<MemSpace>& arrays() const { return arrays_; }
 
-  /// Back to no slip and no shear.
+  /// Resets slip and shear to zero.
   void forget();
-  /// Closed points stick, until release(). change: as below, from which gaps close in this step.
+  /// Makes closed points stick, until release(). change: as below, from which gaps close in this step.
   void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
   bool is_stuck() const { return stuck_; }
   void release() { stuck_ = false; }
 
   /// Pressures of the last solution. change: of the gaps of all rows, m.
   void take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
-  /// New bounds, and forces that are linear about the present slip. True: rows of the system have turned.
+  /// Renews bounds, and forces that are linear about the present slip. True: rows of the system have turned.
   bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
-  /// Distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while points are
-  /// held. RMS over the area.
+  /// Returns the distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while
+  /// points are held. RMS over the area.
   double residual() const { return stuck_ ? 1 : residual_; }
-  /// Pairs all of whose closed points slip, while what the loads ask of friction beyond that stays the same from
-  /// iteration to iteration; relative to what it can carry. 0: the pair holds.
+  /// Returns, for pairs all of whose closed points slip while the loads exceed friction's capacity by the same from
+  /// iteration to iteration, that excess relative to the capacity. 0: the pair holds.
   const std::vector<double>& sliding() const { return sliding_; }
 
-  /// Rows of friction of excess_forces(): by the law at start + t along, less the linear forces. All: of all rows, m,
-  /// N.
+  /// Adds rows of friction to excess_forces(): by the law at start + t along, less the linear forces. All: of all rows,
+  /// m, N.
   void add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along, double t,
                   const RealView& excess) const;
   std::vector<FrictionRow> rows() const;
-  /// The linear forces as those of groups that have no points, behind all others.
+  /// Puts in the linear forces as those of groups that have no points, behind all others.
   void put_into(const ContactGroupArrays<MemSpace>& groups) const;
 
   /// Ends the load step: points stick where they are now. change: as above.
   void end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
-  /// State of every pair, as after the next end_step().
+  /// Returns the state of every pair, as after the next end_step().
   std::vector<FrictionPoints> state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
 
   /// t* of the points of all pairs with friction, one after the other, in Scales::stress: two components, by tangents.

@@ -20,14 +20,14 @@ struct Iterate {
   explicit Iterate(const OuterProblem& outer_problem);
   Iterate(const Iterate&) = delete;
 
-  /// Back to no displacement and no stress.
+  /// Resets displacement and stress to zero.
   void forget();
   /// Displacements and stresses of the same bodies and pairs, to which supports have been added.
   void take_over(const Iterate& other);
-  /// From u into rigid_parts, and what follows for the gaps.
+  /// Moves rigid motions from u into rigid_parts, with what follows for the gaps.
   void set_rigid_parts_aside();
 
-  /// Unit of forces, N.
+  /// Returns the unit of forces, N.
   double force_unit() const { return problem.scales.stress * problem.scales.length * problem.scales.length; }
 
   /// Return the arrays that kernels run on, as the host has left them.
@@ -37,7 +37,7 @@ struct Iterate {
   /// Return displacements along the direction of each support, m: of the rigid motions, and of all.
   RealView rigid_displacements() const;
   RealView support_displacements() const;
-  /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
+  /// Returns sigma* - kappa E/h (u . d - value) of every support point, Pa.
   std::vector<double> support_tractions() const;
 
   /// Return the change of the mean gap of all contact groups, and after them slip of the rows of friction, m; without
@@ -45,19 +45,19 @@ struct Iterate {
   RealView gap_change() const;
   RealView gap_change_of(const RealView& displacements) const;
   std::vector<double> group_gap_change() const { return to_host(gap_change()); }
-  /// Force of each group, system units, sum over its closed points of w (p* - kappa E/h gap): with the gap of the
-  /// current displacement, or without that of the deformation (the right-hand side).
+  /// Return the force of each group, system units, sum over its closed points of w (p* - kappa E/h gap): with the gap
+  /// of the current displacement, or without that of the deformation (the right-hand side).
   RealView group_forces(bool with_displacement) const;
   std::vector<double> group_force(bool with_displacement) const { return to_host(group_forces(with_displacement)); }
-  /// Present stiffness of each group, system units.
+  /// Returns the present stiffness of each group, system units.
   std::vector<double> group_stiffness() const;
   /// Closes the points of every pair that press, but where all of a pair is below `rounding` of its k: bonded pairs
   /// stay closed.
   void close_pressing_points(double rounding);
-  /// Sum of the magnitudes of the forces of all contact groups, N.
+  /// Returns the sum of the magnitudes of the forces of all contact groups, N.
   double total_force() const;
 
-  /// Sum of the magnitudes of the forces in springs that follow a motion, N.
+  /// Returns the sum of the magnitudes of the forces in springs that follow a motion, N.
   double spring_force() const;
   /// Moves their rest positions to where the motions are, or to where the steps of the last iterations tend to, body by
   /// body: each has a pace of its own.

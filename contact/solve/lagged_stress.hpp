@@ -10,7 +10,7 @@ class LaggedStress {
  public:
   explicit LaggedStress(const OuterProblem& problem);
 
-  /// New sigma* of the displacements at supports and contact; returns the relative change (area-weighted, L2).
+  /// Updates sigma* by the displacements at supports and contact; returns the relative change (area-weighted, L2).
   double update(Iterate& iterate);
 
  private:

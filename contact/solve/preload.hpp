@@ -16,12 +16,13 @@ class Preload {
   bool any() const { return !tightened_.empty(); }
   /// Starts from the result for the same scene on other grids.
   void start_from(const Preload& earlier);
-  /// Before the first solve; without a start, a guess by the size of the bodies.
+  /// Begins before the first solve; without a start, a guess by the size of the bodies.
   void begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs);
   /// Returns the amount by which a pair's interference has to exceed that of the scene, m.
   double tightening(const ContactPair& pair) const;
-  /// forces: sum of the pressure of every pair in the last solve, N. False: all preloads are there. Else tightening()
-  /// has changed, and the scene is to be solved again; throws InputError where no interference gives the force.
+  /// Tightens; forces: sum of the pressure of every pair in the last solve, N. False: all preloads are reached. Else
+  /// tightening() has changed, and the scene is to be solved again; throws InputError where no interference gives the
+  /// force.
   bool tighten(const std::vector<ContactPair>& pairs, const std::vector<double>& forces);
 
  private:

@@ -9,15 +9,16 @@ class RightHandSide {
  public:
   explicit RightHandSide(const OuterProblem& problem);
 
-  /// Nodal forces of the loads, system units; forgets what has been prescribed so far unless `keep_scale`.
+  /// Begins with the nodal forces of the loads, system units; forgets what has been prescribed so far unless
+  /// `keep_scale`.
   void begin(const std::vector<double>& load, bool keep_scale);
-  /// The rows of the system have been turned.
+  /// Takes the rows of the system once they have been turned.
   void take_rows(const OuterProblem& problem);
   /// Assembles the terms of supports and contact in the present state.
   void assemble(const Iterate& iterate);
 
   const RealView& vector() const { return vector_; }
-  /// Scale of the linear tolerance: the norm of the real forces.
+  /// Returns the scale of the linear tolerance: the norm of the real forces.
   double force_norm() const { return force_norm_; }
   /// Returns whether all of it is so small that squares underflow, but not zero.
   bool underflows() const;

@@ -35,7 +35,7 @@ class FloatingBodies {
     std::vector<RigidMotion> motions;  ///< of each body, about the centre of its component
     FreeMotions unbalanced;            ///< if not found: the motion that nothing stops
   };
-  /// Motions, from where the bodies are, that minimise the convex energy
+  /// Finds motions, from where the bodies are, that minimise the convex energy
   ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
   /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
   /// the points of all pairs, Pa.
@@ -45,9 +45,9 @@ class FloatingBodies {
   /// Returns for each pair whether prescribed motions give its force. A floating body without loads (its own, or of
   /// those that it may touch and that float too) is squeezed, if it carries anything.
   std::vector<Led> led_pairs() const;
-  /// Can contact carry the loads of the present step with the exact normals of the secondary bodies? On coarse cells
-  /// the other points of a round body seem to lean on a plane that only its lowest one touches. Empty, or the motion
-  /// that nothing stops.
+  /// Checks whether contact carries the loads of the present step with the exact normals of the secondary bodies. On
+  /// coarse cells the other points of a round body seem to lean on a plane that only its lowest one touches. Returns
+  /// empty, or the motion that nothing stops.
   FreeMotions not_stopped_by_the_other_side() const;
   /// Returns for each pair whether its contact opens completely as the loads move the bodies along these motions.
   std::vector<char> pairs_that_open(const FreeMotions& motions) const;
@@ -55,8 +55,8 @@ class FloatingBodies {
  private:
   Eigen::VectorXd load() const;
   void find_loaded();
-  /// Squeezed bodies do not move along their own surfaces or those of the others: the exact pressure does no work on
-  /// that, and in small zones no other point stops them.
+  /// Holds squeezed bodies, which do not move along their own surfaces or those of the others: the exact pressure does
+  /// no work on that, and in small zones no other point stops them.
   void hold_along_surfaces(const std::vector<SupportPoint>& supports);
 
   const std::vector<BodyModel>& bodies_;

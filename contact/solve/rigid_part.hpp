@@ -31,9 +31,9 @@ class RigidParts {
   const std::vector<RigidPart>& of_bodies() const { return parts_; }
   /// Sets the thermal expansion of one body.
   void set_expansion(std::size_t body, const Mat3& expansion) { parts_[body].expansion = expansion; }
-  /// Back to no motion but the expansions.
+  /// Resets all motions to the expansions.
   void forget();
-  /// The same for kernels.
+  /// Returns the same for kernels.
   Kokkos::View<const RigidPart*, MemSpace> on_device() const;
   /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
   /// u here.

@@ -37,15 +37,15 @@ class SmallZones {
   SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
              const SolverOptions& options);
 
-  /// No group is in a small zone.
+  /// Empties the small zones.
   void forget();
 
-  /// New forces from the present state, of all groups of all pairs in order: change of the mean gap, m, and forces of
-  /// groups outside of small zones, N. Sets the active points of small zones. decide: groups join or leave.
+  /// Computes new forces from the present state, of all groups of all pairs in order: change of the mean gap, m, and
+  /// forces of groups outside of small zones, N. Sets the active points of small zones. decide: groups join or leave.
   void update(const std::vector<double>& gap_change, const std::vector<double>& group_force, bool decide);
 
   bool has(std::size_t group) const { return groups_[group].small; }
-  /// Force by the mean gap (m, with interference and deformation): linear about the last update.
+  /// Returns the force by the mean gap (m, with interference and deformation): linear about the last update.
   ZoneForce force(std::size_t group) const {
     const State& g = groups_[group];
     return {g.force, g.stiffness, g.gap};
@@ -53,13 +53,13 @@ class SmallZones {
   /// Returns the spring of a group while rigid motions change its gap, in pairs of squeezed bodies: as force() says, or
   /// by its samples where the zone carries nothing yet.
   ZoneSpring spring(std::size_t group) const;
-  /// Groups of a pair that are in small zones and carry force.
+  /// Counts the groups of a pair that are in small zones and carry force.
   int count(int pair) const;
   struct Width {
     double width = 0, cell = 0;  ///< m; size of the cell that transmits most
     double force = 0;            ///< N, of all
   };
-  /// Mean width of a pair's small zones, by their forces; 0 without any.
+  /// Returns the mean width of a pair's small zones, by their forces; 0 without any.
   Width width(int pair) const;
   /// Returns the change of the forces in the last update, relative to all of small zones.
   double relative_change() const { return relative_change_; }

@@ -18,8 +18,8 @@ class SoftContact {
   ~SoftContact() { become(1); }
   SoftContact(const SoftContact&) = delete;
 
-  /// After an iteration: softer where a line search cut two steps short, stiffer again where one of nearly its whole
-  /// length changes little.
+  /// Adapts after an iteration: softer where a line search cut two steps short, stiffer again where one of nearly its
+  /// whole length changes little.
   void follow(const OuterStep& step);
   bool is_soft() const { return factor_ < 1; }
 

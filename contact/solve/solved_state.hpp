@@ -34,20 +34,21 @@ struct SolvedState {
   void keep_fields_only();
 };
 
-/// N, of OuterResult::group_force.
+/// Returns the unit of OuterResult::group_force, N.
 inline double force_unit(const SolvedState& state) {
   return state.scales.stress * state.scales.length * state.scales.length;
 }
 
 // The fields at a point of a body: active cell and cell coordinates; global axes.
 
-/// m
+/// Returns m.
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);
 /// Evaluates the stress of the displacements, Pa.
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi);
 /// Evaluates one of the recovered fields of the body, Pa.
 Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi);
-/// The same at corners (bits x, y, z) of many cells; nodes that the field does not store are fitted side by side.
+/// Evaluates the same at corners (bits x, y, z) of many cells; nodes that the field does not store are fitted side by
+/// side.
 std::vector<Sym3> recovered_stress_at_corners(const SolvedState& state, const RecoveredField& field, int body,
                                               const std::vector<int>& cells, const std::vector<signed char>& corners);
 

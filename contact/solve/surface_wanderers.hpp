@@ -19,7 +19,7 @@ class SurfaceWanderers {
                    const std::vector<ContactPair>& pairs);
   /// Returns the largest distance that a body has moved along surfaces, in its smallest cells at contact.
   double farthest(const std::vector<RigidPart>& parts) const;
-  /// Points that hold all these motions.
+  /// Returns points that hold all these motions.
   std::vector<SupportPoint> hold(const std::vector<BodyModel>& bodies) const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace cgcontact {
 
-/// Rows of a contact.csv; body, x, weight and pressures only. Throws InputError if it is none.
+/// Reads the rows of a contact.csv; body, x, weight and pressures only. Throws InputError if it is none.
 std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& scene);
 
 /// The SPR-C pressure between the given points: weighted linear fit to the nearest ones. Within a cell of the end of a
@@ -22,7 +22,7 @@ class SampledPressure {
  public:
   /// `reach`: no point farther away counts, m; a cell of the run.
   SampledPressure(std::vector<ContactRow> rows, double reach);
-  /// Pa, at a point on the face of a body that has rows.
+  /// Returns Pa, at a point on the face of a body that has rows.
   double operator()(int body, const Vec3& x) const;
 
  private:
