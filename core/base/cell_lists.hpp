@@ -17,7 +17,7 @@ class CellLists {
   };
 
   CellLists() = default;
-  /// List c holds the i with cell_of_item[i] == c, ascending.
+  /// Lists for cell c the i with cell_of_item[i] == c, ascending.
   CellLists(std::size_t num_cells, const std::vector<int>& cell_of_item)
       : begin_(num_cells + 1, 0), items_(cell_of_item.size()) {
     for (int c : cell_of_item) ++begin_[c + 1];
@@ -26,7 +26,7 @@ class CellLists {
     for (std::size_t i = 0; i < cell_of_item.size(); ++i) items_[next[cell_of_item[i]]++] = static_cast<int>(i);
   }
 
-  /// Empty for all cells if nothing was given.
+  /// Returns the list; empty for all cells if nothing was given.
   Range operator[](int cell) const {
     if (begin_.empty()) return {nullptr, nullptr};
     return {items_.data() + begin_[cell], items_.data() + begin_[cell + 1]};

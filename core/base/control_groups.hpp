@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// The text of /proc/self/cgroup.
+/// Reads /proc/self/cgroup.
 std::string own_control_groups();
 
 /// Calls visit(directory, is_version_2) for the group that has the controller ("cpu", "memory") and for all above it,

@@ -47,10 +47,11 @@ class SingularValues {
   Eigen::MatrixXd left_, right_;
 };
 
-/// The smallest x for which |A x - b| is least; singular values of A below `tolerance` times the largest count as zero.
+/// Returns the smallest x for which |A x - b| is least; singular values of A below `tolerance` times the largest count
+/// as zero.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double tolerance);
 
-/// A rotation that turns the unit vector `from` into `to`; none where they are equal, exact between axes of
+/// Returns a rotation that turns the unit vector `from` into `to`; none where they are equal, exact between axes of
 /// coordinates.
 Mat3 rotation_between(const Vec3& from, const Vec3& to);
 

@@ -13,7 +13,7 @@ struct SourcePlace {
   std::string key;  ///< dotted key, for example body[0].material.E
 };
 
-/// In one line that a terminal can show: no control characters, no bytes that are not UTF-8, and not too long (bytes).
+/// Formats a text in one line for a terminal: no control characters, no bytes that are not UTF-8, not too long (bytes).
 std::string printable(const std::string& text, std::size_t longest = 4000);
 
 /// Bad input: what() is one complete message "file:line: key = value: problem (allowed: ...)".

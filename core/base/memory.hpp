@@ -23,10 +23,10 @@ void agree_on_memory();
 /// Explains how to lift the limit of address space (ulimit -v) of this process; empty without one.
 std::string address_space_remedy();
 
-/// "8GB", "512 MB", "8e9", "16GiB", "none" (infinite): bytes. Throws InputError.
+/// Parses "8GB", "512 MB", "8e9", "16GiB", "none" (infinite): bytes. Throws InputError.
 double parse_memory(const std::string& text);
 
-/// "1.4 GB", "85 MB".
+/// Formats "1.4 GB", "85 MB".
 std::string memory_text(double bytes);
 
 /// Gives memory that has been freed back to the system, which the C library keeps otherwise, if it is much: after

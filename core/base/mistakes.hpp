@@ -11,7 +11,7 @@ namespace cgcontact {
 /// One error for all of them: what() has a line for each.
 class Mistakes : public InputError {
  public:
-  /// In the order of their lines in `file` (those without a line first), without repetition; what goes beyond what a
+  /// Sorts them by their lines in `file` (those without a line first), without repetition; what goes beyond what a
   /// terminal shows is counted. Throws std::logic_error for none.
   Mistakes(const std::vector<std::string>& messages, const std::string& file);
 
@@ -23,7 +23,7 @@ class Mistakes : public InputError {
   std::vector<std::string> messages_;
 };
 
-/// One message for each mistake of an error.
+/// Returns one message for each mistake of an error.
 std::vector<std::string> messages_of(const InputError& error);
 
 }  // namespace cgcontact

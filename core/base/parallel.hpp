@@ -38,7 +38,7 @@ class ProfiledRegion {
 /// polynomials), tenths of one (points that look for others), hundredths (sums).
 constexpr std::size_t grain_of_heavy = 32, grain_of_medium = 256, grain_of_light = 4096;
 
-/// Number of chunks of `grain` items that n items make.
+/// Returns the number of chunks of `grain` items that n items make.
 inline std::size_t num_chunks(std::size_t n, std::size_t grain) { return (n + grain - 1) / grain; }
 
 /// Calls body(chunk) for all of [0, chunks). Throws what a loop on one thread would have thrown: the exception of the

@@ -16,7 +16,7 @@ class PointBuckets {
   explicit PointBuckets(double reach) : size_(reach) {}
   void add(const Vec3& x, int index) { buckets_[bucket(x)].push_back(index); }
 
-  /// use(index) for all points within the reach of x, and some others.
+  /// Calls use(index) for all points within the reach of x, and some others.
   template <class Use>
   void each_near(const Vec3& x, const Use& use) const {
     any_near(x, [&](int index) {

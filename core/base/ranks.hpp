@@ -19,7 +19,7 @@ namespace cgcontact {
 
 int num_ranks();
 int this_rank();
-/// The one that prints and writes.
+/// Returns whether this rank prints and writes.
 inline bool is_first_rank() { return this_rank() == 0; }
 /// Returns the number of ranks and this one as mpirun's environment states them, before MPI runs. 1 and 0 without
 /// mpirun.
@@ -57,7 +57,7 @@ struct OtherRankFailed : std::runtime_error {
 void on_first_rank(const std::function<void()>& what);
 /// Runs `what` on every rank; an InputError of one of them is thrown on all.
 void on_all_ranks(const std::function<void()>& what);
-/// Text of the first rank.
+/// Returns the first rank's text.
 std::string text_of_first_rank(const std::string& own);
 /// Returns the number of ranks on this machine. Collective.
 int ranks_on_this_machine();
@@ -65,7 +65,7 @@ int ranks_on_this_machine();
 /// Bytes of all ranks one after the other.
 std::vector<char> gather_bytes(const void* own, std::size_t size);
 
-/// Entries of all ranks one after the other.
+/// Gathers the entries of all ranks one after the other.
 template <class T>
 std::vector<T> gather(const std::vector<T>& own) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -77,10 +77,10 @@ std::vector<T> gather(const std::vector<T>& own) {
   return all;
 }
 
-/// Range of n items that a rank computes.
+/// Returns the range of n items that a rank computes.
 std::pair<std::size_t, std::size_t> share_out(std::size_t n);
 
-/// `all` (n items of `size` bytes) of which every rank has its own range by share_out: afterwards every rank has all.
+/// Exchanges `all` (n items of `size` bytes), of which every rank has its own range by share_out.
 void put_together(void* all, std::size_t n, std::size_t size);
 
 template <class T>
@@ -89,7 +89,7 @@ void put_together(std::vector<T>& all) {
   put_together(all.data(), all.size(), sizeof(T));
 }
 
-/// The same, of chunks of `grain` items that were shared out.
+/// Exchanges chunks of `grain` items that were shared out.
 void put_chunks_together(std::vector<double>& all, std::size_t grain);
 
 /// Returns whether all ranks have an exception, as this one (within a few seconds). Then it is the same, one of them

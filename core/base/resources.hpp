@@ -5,11 +5,10 @@
 
 namespace cgcontact {
 
-/// Largest resident set, bytes.
+/// Returns the largest resident set, bytes.
 long long peak_memory_bytes();
 
-/// Hardware threads that this process may run on: its CPU affinity, and no more than its control group's quota of CPU
-/// time.
+/// Returns the hardware threads that this process may run on: its CPU affinity, at most its control group's quota.
 int available_threads();
 
 /// Returns the CPUs that a control group and those above it allow (quota / period); 0: no limit. `groups` is the text

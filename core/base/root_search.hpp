@@ -11,7 +11,7 @@ struct FunctionSample {
   double x, value, slope;
 };
 
-/// Root between two samples of opposite sign: Newton steps, bisection where they fail.
+/// Finds the root between two samples of opposite sign: Newton steps, bisection where they fail.
 template <class Function>
 double bracketed_root(const Function& f, FunctionSample a, FunctionSample b) {
   FunctionSample best = std::abs(a.value) < std::abs(b.value) ? a : b;
@@ -28,7 +28,8 @@ double bracketed_root(const Function& f, FunctionSample a, FunctionSample b) {
   return best.x;
 }
 
-/// A point between two samples of equal sign where the function has the other sign, if its extremum there reaches it.
+/// Finds a point between two samples of equal sign where the function has the other sign, if its extremum there reaches
+/// it.
 template <class Function>
 bool cross_extremum(const Function& f, FunctionSample a, FunctionSample b, FunctionSample& found) {
   const bool negative = a.value < 0;

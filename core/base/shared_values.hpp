@@ -9,8 +9,8 @@
 
 namespace cgcontact {
 
-/// values[i] = value_at(i), on all threads in chunks of `grain`; of several ranks each computes its range, and all have
-/// all of them afterwards. Collective.
+/// Computes values[i] = value_at(i), on all threads in chunks of `grain`; each rank computes its range, then all have
+/// all. Collective.
 template <class ValueAt>
 void compute_together(const char* label, std::size_t grain, std::vector<double>& values, const ValueAt& value_at) {
   const std::size_t begin = share_out(values.size()).first, end = share_out(values.size()).second;

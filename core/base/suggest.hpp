@@ -6,16 +6,16 @@
 
 namespace cgcontact {
 
-/// Number of insertions, deletions, replacements and swaps of neighbours that turn one word into the other.
+/// Counts the insertions, deletions, replacements and swaps of neighbours that turn one word into the other.
 int edit_distance(const std::string& a, const std::string& b);
 
-/// The candidate closest to the word, or "" if none is similar.
+/// Returns the candidate closest to the word, or "" if none is similar.
 std::string closest_name(const std::string& word, const std::vector<std::string>& candidates);
 
 /// " (did you mean "name"?)" or "" if no candidate is similar.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
 
-/// "a, b, c".
+/// Joins words: "a, b, c".
 std::string join(const std::vector<std::string>& words, const std::string& separator = ", ");
 
 }  // namespace cgcontact

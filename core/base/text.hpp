@@ -9,47 +9,47 @@ namespace cgcontact {
 /// Writes the whole file; throws InputError that names the file and the system's reason (disk full, no permission).
 void write_text(const std::string& file_name, const std::string& text);
 
-/// Whole file; throws InputError.
+/// Reads a whole file; throws InputError.
 std::string read_text(const std::string& file_name);
 
-/// A field of a CSV file: quoted if it holds a comma, a quote or a line break.
+/// Formats a field of a CSV file: quoted if it holds a comma, a quote or a line break.
 std::string csv_text(const std::string& text);
 
-/// 1, 2 or 5 times a power of ten, not above the value.
+/// Rounds down to 1, 2 or 5 times a power of ten.
 double round_down(double value);
 
-/// A number for people: `digits` significant digits, e.g. "9.37", "1.6e-06".
+/// Formats a number with `digits` significant digits, e.g. "9.37", "1.6e-06".
 std::string short_number(double value, int digits = 4);
 
-/// A fraction in per cent with two digits and no exponent above 1 %, e.g. "0.41", "12", "340", "over 9999".
+/// Formats a fraction in per cent with two digits and no exponent above 1 %, e.g. "0.41", "12", "340", "over 9999".
 std::string percent_number(double fraction);
 
 /// "2 threads", "4 ranks of 1 thread".
 std::string processors_text(int ranks, int threads);
 
-/// A value with the unit scaled by powers of 1000, e.g. scaled(9.4e6, "Pa") = "9.4 MPa".
+/// Formats a value with the unit scaled by powers of 1000, e.g. scaled(9.4e6, "Pa") = "9.4 MPa".
 std::string scaled(double value, const std::string& unit, int digits = 4);
 
-/// Text for a page: <, >, &, quotes and control characters are escaped.
+/// Escapes <, >, &, quotes and control characters for a page.
 std::string html_text(const std::string& text);
 
-/// A word of a command line, quoted for a shell where needed.
+/// Quotes a word of a command line for a shell where needed.
 std::string shell_word(const std::string& word);
 
 std::string base64(const std::string& bytes);
 
-/// The words of `text` in lines of at most `width` columns (Chinese, Japanese and Korean letters take two); the first
-/// line starts with `first`, the others with blanks of its width. Words longer than a line are not divided.
+/// Wraps `text` to lines of at most `width` columns (Chinese, Japanese and Korean letters take two); the first line
+/// starts with `first`, the others with blanks of its width. Words longer than a line are not divided.
 std::vector<std::string> wrapped(const std::string& text, const std::string& first, int width);
 
-/// Columns that a text in UTF-8 takes on a terminal.
+/// Returns the columns that a text in UTF-8 takes on a terminal.
 int columns_of(const std::string& text);
 
 /// Shortens a name of a scene (one byte per letter) to at most `columns`: its beginning and its end, with two dots
 /// between.
 std::string shortened_name(const std::string& name, int columns);
 
-/// An integer with groups of three digits for people: "28,764".
+/// Formats an integer with groups of three digits: "28,764".
 std::string grouped(long long value);
 
 /// Multiply a value in SI by `factor` to have it in the unit `name`.

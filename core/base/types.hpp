@@ -16,14 +16,14 @@ using Mat3 = Eigen::Matrix3d;
 using Sym3 = Eigen::Matrix<double, 6, 1>;
 using Index3 = std::array<int, 3>;
 
-/// Full 3x3 tensor of a Sym3 (xx, yy, zz, xy, yz, zx).
+/// Returns the full 3x3 tensor of a Sym3 (xx, yy, zz, xy, yz, zx).
 inline Mat3 tensor(const Sym3& s) {
   Mat3 t;
   t << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
   return t;
 }
 
-/// Symmetric 3x3 tensor -> (xx, yy, zz, xy, yz, zx).
+/// Returns (xx, yy, zz, xy, yz, zx) of a symmetric 3x3 tensor.
 inline Sym3 voigt(const Mat3& t) {
   Sym3 s;
   s << t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(1, 2), t(2, 0);

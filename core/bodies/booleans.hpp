@@ -10,10 +10,10 @@
 
 namespace cgcontact {
 
-/// Lower and upper corner of the box around those of both that are bounded.
+/// Returns the corners of the box around those of both that are bounded.
 std::pair<Vec3, Vec3> box_around(const Solid& a, const Solid& b);
 
-/// a op b (unite, intersect, subtract) as one expression of surfaces, exactly; nullopt unless both are such.
+/// Returns a op b (unite, intersect, subtract) as one expression of surfaces, exactly; nullopt unless both are such.
 std::optional<Solid> combine_expressions(BooleanOp::Kind op, const Solid& a, const Solid& b);
 
 struct TriangleBoolean {
@@ -21,10 +21,9 @@ struct TriangleBoolean {
   double facet_error = 0;  ///< m: facets are at most this far inside the sphere or cylinder they stand for; 0: none
 };
 
-/// a op b (unite, intersect, subtract). `cell_size` (m) of the body says how fine the facets are: at most half a cell
-/// long and a thousandth of a cell from their surface, as far as a million facets go. Where faces of both coincide, the
-/// result has the name of a's.
-/// Throws InputError if the result is empty, unbounded, or touches itself along an edge.
+/// Computes a op b (unite, intersect, subtract). `cell_size` (m) of the body sets the facets: at most half a cell long
+/// and a thousandth of a cell from their surface, as far as a million facets go. Where faces of both coincide, the
+/// result has the name of a's. Throws InputError if the result is empty, unbounded, or touches itself along an edge.
 TriangleBoolean combine_triangles(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size);
 
 }  // namespace cgcontact

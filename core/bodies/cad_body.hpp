@@ -36,7 +36,7 @@ class CadBody final : public BodyGeometry {
   std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                   double scale) const override;
   std::shared_ptr<const BodyGeometry> on_level(int level, const CellTree& tree) const override;
-  /// Not possible: throws InputError.
+  /// Throws InputError: not possible.
   std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const override;
   bool bounding_box(Vec3& min, Vec3& max) const override;
   bool contains(const Vec3& x) const override { return signed_distance(x) <= 0; }
@@ -66,11 +66,11 @@ class CadBody final : public BodyGeometry {
   std::shared_ptr<const CadSurface> surface_;
 };
 
-/// nullptr for bodies of another kind.
+/// Returns nullptr for bodies of another kind.
 const CadBody* as_cad(const Solid& solid);
 
-/// a op b of two bodies of which at least one is a CAD body and the other one too, or an expression of surfaces;
-/// nullopt if one is bounded by triangles. Throws InputError.
+/// Computes a op b of two bodies of which at least one is a CAD body and the other one too, or an expression of
+/// surfaces; nullopt if one is bounded by triangles. Throws InputError.
 std::optional<Solid> combine_cad(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size);
 
 }  // namespace cgcontact

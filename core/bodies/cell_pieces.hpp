@@ -10,11 +10,11 @@
 
 namespace cgcontact {
 
-/// Moments of the body in the cell `cell` of the grid (in grid coordinates).
+/// Integrates the moments of the body in the cell `cell` of the grid (in grid coordinates).
 Moments cell_moments(const CsgBody& solid, const LocalSolid& local, const Index3& cell);
 
-/// Points on the pieces of the body's boundary in a cell; `selected` (by surface) says of which surfaces, empty: all.
-/// `points.cell` is set to `owner`.
+/// Adds points on the pieces of the body's boundary in a cell; `selected`: its surfaces, empty: all. `points.cell` is
+/// set to `owner`.
 void cell_boundary_points(const CsgBody& solid, const LocalSolid& local, const Index3& cell,
                           const std::vector<char>& selected, const std::vector<Plane>& dividers, int order, int owner,
                           BoundaryPoints& points);

@@ -29,21 +29,21 @@ class CsgBody final : public BodyGeometry {
     bool half_space = false;
   };
 
-  /// Nothing.
+  /// Makes an empty body.
   CsgBody() = default;
   /// Intersects the inner sides of all surfaces, in a hull.
   CsgBody(std::vector<Surface> surfaces, Hull hull);
   /// Combines the surfaces by an expression, in a hull.
   CsgBody(std::vector<Surface> surfaces, std::vector<BooleanOp> expression, Hull hull);
-  /// a kind b.
+  /// Makes a kind b.
   CsgBody(const CsgBody& a, const CsgBody& b, BooleanOp::Kind kind);
 
-  /// The same body, known to be in a hull.
+  /// Returns the same body, known to be in a hull.
   CsgBody bounded_by(Hull hull) const;
 
-  /// Value of the boolean expression for given sides (true = inner side) of all surfaces.
+  /// Returns the boolean expression for given sides (true = inner side) of all surfaces.
   bool evaluate(const std::vector<char>& inner_side) const;
-  /// The same when some sides are unknown (-1; 0 outer, 1 inner): 0, 1, or -1 if the value is not determined.
+  /// Returns the same when some sides are unknown (-1; 0 outer, 1 inner): 0, 1, or -1 if the value is not determined.
   int evaluate_partial(const std::vector<signed char>& sides) const;
   const std::vector<BooleanOp>& expression() const { return expression_; }
 
@@ -85,7 +85,7 @@ class CsgBody final : public BodyGeometry {
 /// Throws InputError if a cone is too flat or too slim to be integrated.
 void check_cone(const Surface& cone);
 
-/// nullptr for bodies of another kind.
+/// Returns nullptr for bodies of another kind.
 const CsgBody* as_csg(const Solid& solid);
 
 }  // namespace cgcontact

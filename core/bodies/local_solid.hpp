@@ -7,7 +7,8 @@
 
 namespace cgcontact {
 
-/// Side of a surface on which a box lies: 1 inner, 0 outer, -1 if the surface may cross or touch it. Conservative.
+/// Returns the side of a surface on which a box lies: 1 inner, 0 outer, -1 if the surface may cross or touch it.
+/// Conservative.
 int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_size);
 
 /// The surfaces that cross a box and matter there, and the boolean over their signs (bit i: on the inner side).

@@ -45,10 +45,10 @@ class TriangleBody final : public BodyGeometry {
 
 /// Estimates the cells of a body of these triangles.
 CellEstimate estimate_triangle_cells(const TriangleSurface& surface, const Grid& grid, double most_cells);
-/// The patches with a triangle near a cube, ascending.
+/// Returns the patches with a triangle near a cube, ascending.
 std::vector<int> patches_near(const TriangleSurface& surface, const Vec3& centre, double half_size, double slack);
 
-/// nullptr for bodies of another kind.
+/// Returns nullptr for bodies of another kind.
 const TriangleSurface* as_triangles(const Solid& solid);
 
 }  // namespace cgcontact

@@ -26,7 +26,7 @@ class TriangleCells : public CellSweep {
                 const std::vector<Plane>& dividers, int order, const LeafLevel& leaves);
 
   GridNumbers take_inside() override { return GridNumbers(num_cells_); }
-  /// Rows of cells along x that the surface crosses, by k, j.
+  /// Returns the number of rows of cells along x that the surface crosses, by k, j.
   std::size_t num_parts() const override { return row_begin_.size() - 1; }
   /// Throws InputError where the surface is not closed or does not enclose each volume once.
   void sweep(std::size_t row, SweptCells& found) const override;

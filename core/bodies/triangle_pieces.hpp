@@ -35,7 +35,7 @@ struct SurfacePolygon {
   void push(const Vec3& corner);
 };
 
-/// The whole triangle.
+/// Returns the whole triangle.
 SurfacePolygon triangle_polygon(const TriangleSurface& surface, int triangle);
 
 /// Splits at x[axis] = value into the polygons below and above; one is empty unless corners lie strictly on both sides.
@@ -77,7 +77,7 @@ std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index
 
 namespace triangle_pieces {
 
-/// Range of cells along an axis that hold a polygon.
+/// Returns the range of cells along an axis that hold a polygon.
 std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double normal);
 
 /// next(axis, cell): the first index from cell[axis] on that is wanted, of the cells with these indices along the later

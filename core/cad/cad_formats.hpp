@@ -22,7 +22,7 @@ struct Found {
 struct Remarks {
   std::string left_out;     ///< CadSolid::left_out
   std::string other_files;  ///< "" or names of files that it refers to
-  /// For a file in which something is missing.
+  /// Returns a hint for a file in which something is missing.
   std::string where_else() const {
     return other_files.empty() ? ""
                                : "; it is an assembly that refers to other files: " + other_files +
@@ -33,7 +33,7 @@ struct Remarks {
 /// Exporters write some words where a user gave no name.
 bool is_no_name(const std::string& name);
 
-/// Everything in a file that has faces. Throws InputError: not to be read.
+/// Read everything in a file that has faces. Throw InputError: not to be read.
 std::vector<Found> read_step(const std::string& file, Remarks& remarks);
 std::vector<Found> read_iges(const std::string& file);
 std::vector<Found> read_brep(const std::string& file);

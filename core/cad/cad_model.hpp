@@ -28,7 +28,7 @@ struct CadFace {
   std::vector<std::string> names;            ///< "part.face": its name in the scene
 };
 
-/// The kinds that a face may have.
+/// Returns the kinds that a face may have.
 const std::vector<std::string>& cad_kinds();
 
 /// One solid. Read-only, copies share it.
@@ -41,15 +41,15 @@ class CadModel {
   const std::vector<CadFace>& faces() const { return faces_; }
   double volume() const;  ///< mm^3
   double area() const;    ///< mm^2
-  /// Corners of a box around it, mm.
+  /// Returns corners of a box around it, mm.
   std::pair<Vec3, Vec3> box() const;
-  /// The faces with these names, in their order.
+  /// Returns the model of the faces with these names, in their order.
   CadModel named(const std::vector<std::vector<std::string>>& names) const;
   /// Distances of a point from faces, mm.
   std::vector<double> distances(const std::vector<int>& faces, const Vec3& x) const;
 
-  /// Triangles no farther than about `deflection` (mm) from the surface, closed. Throws InputError that names the face
-  /// that could not be divided into triangles.
+  /// Returns triangles no farther than about `deflection` (mm) from the surface, closed. Throws InputError that names
+  /// the face that could not be divided into triangles.
   CurvedTriangles triangles(double deflection) const;
 
   /// Boolean operations on two models, each moved to the same space first; the faces keep their names. Throws
@@ -57,10 +57,10 @@ class CadModel {
   enum class Operation { unite, intersect, subtract };
   static CadModel combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
                           const Similarity& place_b);
-  /// The inner side of a plane, sphere or cylinder, of a cone the half that is in use, as far as a ball (mm) reaches.
+  /// Makes the inner side of a plane, sphere or cylinder, of a cone the half that is in use, within a ball (mm).
   static CadModel inner_side(const Surface& surface, const Vec3& centre, double radius);
-  /// A profile (mm) turned about the second axis of its frame (mm), arcs anywhere; an arc that ends where it begins is
-  /// a circle, `through` lies opposite. Faces have the names of their edges. Throws InputError.
+  /// Turns a profile (mm) about the second axis of its frame (mm), arcs anywhere; an arc that ends where it begins is a
+  /// circle, `through` lies opposite. Faces have the names of their edges. Throws InputError.
   static CadModel revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
   /// Cuts a solid of revolution: its section by the half-plane from the second axis of a frame (mm) to the side of the
   /// first, closed lines of lines and arcs (mm, in the frame), each with the number of its face or -1 for what lies on
@@ -88,10 +88,10 @@ struct CadReading {
   bool repair = false;
 };
 
-/// OpenCASCADE may crash on a damaged file or a solid from it, or never end: all that it does with them, here and in
-/// CadModel, it does in child processes with limits of time and memory; an InputError says how such a one ended. All
-/// solids of a .step, .stp, .iges, .igs or .brep file where the assembly places them, in mm (.brep: in its own units).
-/// Throws InputError: not to be read, none, open shells, invalid ones.
+/// Reads all solids of a .step, .stp, .iges, .igs or .brep file where the assembly places them, in mm (.brep: in its
+/// own units). Throws InputError: not to be read, none, open shells, invalid ones. OpenCASCADE may crash on a damaged
+/// file, or never end: here and in CadModel it works in child processes with limits of time and memory; an InputError
+/// says how one ended.
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading);
 
 /// Returns whether OpenCASCADE is in memory: it is loaded when it is first needed.

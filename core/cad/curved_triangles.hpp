@@ -51,7 +51,7 @@ struct Similarity {
 
   Vec3 operator()(const Vec3& x) const { return scale * (rotation * x) + translation; }
   Vec3 direction(const Vec3& d) const { return scale * (rotation * d); }
-  /// This one after `before`.
+  /// Returns this one after `before`.
   Similarity after(const Similarity& before) const {
     return {rotation * before.rotation, scale * (rotation * before.translation) + translation, scale * before.scale};
   }
@@ -74,7 +74,8 @@ class CurvedTriangles {
   Similarity placement;  ///< from the units of the file
 
   bool is_plane(int triangle) const { return faces[triangles[triangle].face].surface->is_plane(); }
-  /// Is a side of it bent in the parameter plane, or one of its corners a line? Then its map is no linear one.
+  /// Returns whether a side of it is bent in the parameter plane, or one of its corners a line. Then its map is no
+  /// linear one.
   bool is_bent(int triangle) const;
   /// Parameters at the weights 1 - a - b, a, b of the corners.
   Vec2 parameters(int triangle, double a, double b) const;
@@ -85,9 +86,9 @@ class CurvedTriangles {
   /// Divides triangles until no side and no middle is farther than `sag` from the exact surface, of those whose boxes
   /// are wanted; computes the bends.
   void refine(double sag, const Wanted& wanted = {});
-  /// The largest distance of the middles of the sides of such triangles from the exact surface.
+  /// Returns the largest distance of the middles of the sides of such triangles from the exact surface.
   double largest_sag(const Wanted& wanted = {}) const;
-  /// The image; `points` and `placement` move.
+  /// Returns the image; `points` and `placement` move.
   CurvedTriangles moved(const Similarity& motion) const;
 
  private:

@@ -18,10 +18,11 @@ struct Plane {
   bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }
 };
 
-/// Is one of the planes the border of a face? Then points know their pieces (BoundaryPoints::piece_position).
+/// Returns whether one of the planes is the border of a face. Then points know their pieces
+/// (BoundaryPoints::piece_position).
 bool divide_faces(const std::vector<Plane>& dividers);
 
-/// Those of the planes that cross the cube [corner, corner + width]^3, and those of normals.
+/// Returns the planes that cross the cube [corner, corner + width]^3, and those of normals.
 std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width);
 
 /// Points on the boundary, all vectors of the same length. Positions, normals in grid coordinates, weights in cell
@@ -84,7 +85,7 @@ struct BoundaryPoints {
     to.put(piece_position);
     to.put(piece_normal);
   }
-  /// All but `cell`.
+  /// Unpacks all but `cell`.
   template <class Unpacking>
   void unpack(Unpacking& from) {
     from.take(position);

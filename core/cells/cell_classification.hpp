@@ -26,11 +26,11 @@ struct LeafLevel {
   }
 };
 
-/// By BodyGeometry::side_of_block, of a body in the coordinates of the grid (of that level). Throws InputError if a
-/// cell outside of the grid is wholly inside.
+/// Classifies cells by BodyGeometry::side_of_block, in the coordinates of the grid (of that level). Throws InputError
+/// if a cell outside of the grid is wholly inside.
 CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves = {});
 
-/// The estimate of BodyGeometry::estimate_cells for a body in global axes, by classifying the cells of a coarser grid.
+/// Estimates as BodyGeometry::estimate_cells, for a body in global axes, by classifying the cells of a coarser grid.
 CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells);
 
 }  // namespace cgcontact

@@ -30,7 +30,7 @@ struct SweptCells {
 class CellSweep {
  public:
   virtual ~CellSweep() = default;
-  /// Cells that are known to be inside before the sweep. Called once.
+  /// Returns cells that are known to be inside before the sweep. Called once.
   virtual GridNumbers take_inside() = 0;
   /// Returns the number of chunks, which are in the order of the cells, by k, j, i.
   virtual std::size_t num_parts() const = 0;

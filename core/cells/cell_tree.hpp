@@ -23,20 +23,20 @@ class TooManyCells : public InputError {
 
 class CellTree {
  public:
-  /// One level: no cell is refined.
+  /// Makes one level: no cell is refined.
   CellTree() = default;
 
-  /// refined[l]: cells of level l (size 2^-l) to be divided, inside of the grid. Divides more where the balance asks
-  /// for it: the parents of the 3 x 3 x 3 block round each of them exist only if divided. Throws InputError if a level
-  /// has more cells per direction than 32-bit numbers hold.
+  /// Divides refined[l]: cells of level l (size 2^-l) inside of the grid, and more where the balance asks for it: the
+  /// parents of the 3 x 3 x 3 block round each of them exist only if divided. Throws InputError if a level has more
+  /// cells per direction than 32-bit numbers hold.
   CellTree(const Index3& num_cells, const std::vector<std::vector<Index3>>& refined);
 
   int num_levels() const { return static_cast<int>(refined_.size()) + 1; }
-  /// Is a cell of a level divided? Cells outside of the grid count as the nearest one inside.
+  /// Returns whether a cell of a level is divided. Cells outside of the grid count as the nearest one inside.
   bool is_refined(int level, const Index3& cell) const {
     return level < static_cast<int>(refined_.size()) && refined_[level].find(clamped(level, cell)) >= 0;
   }
-  /// Is a cell of a level a leaf? As above outside of the grid.
+  /// Returns whether a cell of a level is a leaf. As above outside of the grid.
   bool is_leaf(int level, const Index3& cell) const {
     if (refined_.empty()) return level == 0;
     return !is_refined(level, cell) &&
@@ -47,7 +47,7 @@ class CellTree {
   /// Returns the tree with every cell whose children are all leaves merged, as far as the balance allows: one level
   /// less.
   CellTree coarsened() const;
-  /// The divided cells of a level.
+  /// Returns the divided cells of a level.
   const GridNumbers& refined(int level) const { return refined_[level]; }
 
  private:
@@ -60,7 +60,7 @@ class CellTree {
   std::vector<GridNumbers> refined_;  ///< of every level but the last; none is empty
 };
 
-/// Number of cells per direction of a level.
+/// Returns the number of cells per direction of a level.
 inline Index3 cells_of_level(const Index3& num_cells, int level) {
   return {num_cells[0] << level, num_cells[1] << level, num_cells[2] << level};
 }

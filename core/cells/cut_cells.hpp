@@ -51,10 +51,10 @@ struct CutCells {
 
   int num_levels() const { return parts.empty() ? 1 : static_cast<int>(parts.size()); }
   int level(int active) const { return levels.empty() ? 0 : levels[active]; }
-  /// Size of an active cell: in units of the grid coordinates; m.
+  /// Return the size of an active cell: in units of the grid coordinates; m.
   double size(int active) const { return std::ldexp(1.0, -level(active)); }
   double h(int active) const { return grid.cell_size_of(level(active)); }
-  /// Lower corner of an active cell, grid coordinates.
+  /// Returns the lower corner of an active cell, grid coordinates.
   Vec3 corner(int active) const {
     const Index3& c = cells[active];
     return size(active) * Vec3(c[0], c[1], c[2]);
@@ -63,13 +63,13 @@ struct CutCells {
     const int cut = cut_of_active[active];
     return cut < 0 ? 1.0 : !fractions.empty() ? fractions[cut] : moments[cut][0] / 8.0;
   }
-  /// Nothing is integrated over the cells any more: 1 kB of each cut cell becomes 8 bytes.
+  /// Drops the moments once nothing more is integrated over the cells: 1 kB of each cut cell becomes 8 bytes.
   void drop_moments();
   /// Keep the moments of this rank's share of the cut cells only; restore those of all ranks. Collective.
   void keep_own_moments();
   void gather_moments();
 
-  /// Mean distance of the material in a cell from the axis of revolution, m.
+  /// Returns the mean distance of the material in a cell from the axis of revolution, m.
   double radius(int active) const;
   /// Returns the volume of the material that an active cell stands for, units of the grid coordinates.
   double volume(int active) const {
@@ -77,18 +77,19 @@ struct CutCells {
     const double ring = grid.is_axisymmetric() ? radius(active) / grid.unit_radius : 1;
     return ring * volume_fraction(active) * std::ldexp(grid.thickness_of_cell(l), -3 * l);
   }
-  /// Active cell at the given cell index triple of a level, or -1.
+  /// Return the active cell at an index triple of a level, or -1.
   int find(const Index3& c) const { return find(0, c); }
   int find(int level, const Index3& c) const {
     if (parts.empty()) return numbers.find(c);
     const int cell = parts[level].numbers.find(c);
     return cell < 0 ? -1 : first_of_part[level] + cell;
   }
-  /// Active cell that contains the point (grid coordinates), or the nearest active cell within one cell, or -1.
+  /// Finds the active cell that contains the point (grid coordinates), or the nearest active cell within one cell, or
+  /// -1.
   int locate(const Vec3& x) const;
 };
 
-/// Cell coordinates in [-1,1]^3 of a point in grid coordinates (may lie slightly outside for re-homed points).
+/// Returns cell coordinates in [-1,1]^3 of a point in grid coordinates (slightly outside for re-homed points).
 Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& grid_position);
 
 /// Return the position of cell coordinates: in grid coordinates; in global axes, m.

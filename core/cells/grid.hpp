@@ -44,7 +44,8 @@ struct Grid {
   double thickness_of_cell(int level) const { return is_quadtree() ? slice / cell_size_of(level) : 1; }
   /// Returns the factor from integrals over the cells to those of the body's whole thickness.
   double slices() const { return is_quadtree() ? thickness / slice : 1; }
-  /// On a quadtree in the smallest cells, wherever x is across: so cells of all levels hold it.
+  /// Returns grid coordinates; on a quadtree in the smallest cells, wherever x is across: so cells of all levels hold
+  /// it.
   Vec3 to_grid(const Vec3& x) const {
     Vec3 g = rotation.transpose() * (x - origin) / cell_size;
     if (is_quadtree()) g[plane_strain] = std::ldexp(0.5, 1 - num_levels);

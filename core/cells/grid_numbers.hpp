@@ -70,7 +70,7 @@ class GridNumbers {
     }
   }
 
-  /// The nodes of these cells: all corners, in an extent larger by one.
+  /// Returns the nodes of these cells: all corners, in an extent larger by one.
   GridNumbers corners() const;
 
  private:

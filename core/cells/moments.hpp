@@ -56,7 +56,7 @@ class MomentList {
     part.size_ = size;
     return part;
   }
-  /// Those with these numbers.
+  /// Selects those with these numbers.
   MomentList chosen(std::vector<int> numbers) const {
     for (int& number : numbers) number = static_cast<int>(place(number));
     MomentList part;
@@ -95,7 +95,7 @@ class MomentList {
   std::shared_ptr<const std::vector<int>> chosen_;  ///< numbers in all_; none: those from first_ on
 };
 
-/// Values of L_0 .. L_4 at x.
+/// Computes L_0 .. L_4 at x.
 inline void legendre_values(double x, double value[moment_degree + 1]) {
   value[0] = 1;
   value[1] = x;
@@ -110,7 +110,7 @@ inline void legendre_integrals(double x, double value[moment_degree + 1]) {
   for (int k = 1; k <= moment_degree; ++k) value[k] = (l[k + 1] - l[k - 1]) / (2 * k + 1);
 }
 
-/// moments += weight a_i b_j c_k.
+/// Adds weight a_i b_j c_k to the moments.
 inline void add_product(Moments& moments, double weight, const double* a, const double* b, const double* c) {
   constexpr int n = moment_degree + 1;
   double bc[n * n];
@@ -120,8 +120,8 @@ inline void add_product(Moments& moments, double weight, const double* a, const 
     for (int q = 0; q < n * n; ++q) moments[i * n * n + q] += a[i] * bc[q];
 }
 
-/// The same integrals expressed in the coordinates of another cell: the old cell lies `offset` cells further (the old
-/// centre has the coordinates 2 offset).
+/// Expresses the integrals in the coordinates of another cell: the old cell lies `offset` cells further (the old centre
+/// has the coordinates 2 offset).
 Moments shifted_moments(const Moments& moments, const Index3& offset);
 
 /// Weights on the 27 or 125 Gauss points of the cell (n = 3 or 5 per direction, x slowest: q = (a * n + b) * n + c)
@@ -129,8 +129,8 @@ Moments shifted_moments(const Moments& moments, const Index3& offset);
 /// The weights of a full cell sum to 8.
 void fitted_weights(const Moments& moments, int n, double* weights);
 
-/// Moments of the cell of twice the size from those of its children, re-centred; children[a + 2 b + 4 c] is the child
-/// at offset (a, b, c), nullptr if it is empty. A full child is given by full_cell_moments().
+/// Sums the moments of the cell of twice the size from those of its children, re-centred; children[a + 2 b + 4 c] is
+/// the child at offset (a, b, c), nullptr if it is empty. A full child is given by full_cell_moments().
 Moments coarse_moments(const std::array<const Moments*, 8>& children);
 const Moments& full_cell_moments();
 

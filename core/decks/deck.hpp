@@ -65,15 +65,15 @@ struct Deck {
   std::vector<DeckPair> pairs;
   std::vector<std::string> left_out;  ///< what a scene does not take over, with the lines
 
-  /// Nodes of a set, or of the number that is its name; empty: there is none.
+  /// Return nodes of a set, or of the number that is its name; empty: there is none.
   std::set<int> nodes_of(const std::string& set) const;
   std::set<int> elements_of(const std::string& set) const;
 };
 
 int num_corners(DeckElement::Shape shape);
-/// Corners of each side of a shape, as indices into the nodes.
+/// Returns the corners of each side of a shape, as indices into the nodes.
 const std::vector<std::vector<int>>& sides_of(DeckElement::Shape shape);
-/// Index of the node in the middle between two corners, -1: the element has none.
+/// Returns the index of the node in the middle between two corners, -1: the element has none.
 int middle_node(const DeckElement& element, int corner, int other);
 
 /// Throws InputError with file and line for what is no deck, or refers to what is not there.

@@ -21,7 +21,7 @@ struct DeckBody {
   std::set<ElementSide> outer;
   std::vector<DeckFace> faces;
 
-  /// The face with these outer sides, which is added if there is none; "": there are none of this body.
+  /// Returns the face with these outer sides, which is added if there is none; "": there are none of this body.
   std::string face(const std::set<ElementSide>& sides, const std::string& wanted_name);
 };
 
@@ -39,15 +39,15 @@ struct DeckBodies {
 /// Throws InputError for elements without a material, or of no volume.
 DeckBodies find_bodies(const Deck& deck);
 
-/// Outer sides of a body all of whose corners are among the nodes.
+/// Returns outer sides of a body all of whose corners are among the nodes.
 std::set<ElementSide> sides_on_nodes(const Deck& deck, const DeckBody& body, const std::set<int>& nodes);
 
-/// Nodes of some sides, with the middles of their edges.
+/// Returns the nodes of some sides, with the middles of their edges.
 std::set<int> nodes_of_sides(const Deck& deck, const std::set<ElementSide>& sides);
 
-/// The outer sides of a body as triangles in the OBJ format, in the units of the deck; the middles of edges are corners
-/// too. Sides that are in the same faces are a group, whose name stands behind "g". `groups`: of each face, those that
-/// it consists of.
+/// Writes the outer sides of a body as triangles in the OBJ format, in the units of the deck; the middles of edges are
+/// corners too. Sides that are in the same faces are a group, whose name stands behind "g". `groups`: of each face,
+/// those that it consists of.
 std::string surface_text(const Deck& deck, const DeckBody& body, std::vector<std::vector<std::string>>& groups);
 
 }  // namespace cgcontact

@@ -50,9 +50,9 @@ struct ClippedMesh {
 
   int level(int cell) const { return level_of_cell.empty() ? 0 : level_of_cell[cell]; }
   std::size_t num_interior_points() const { return interior.cell_of_point.size(); }
-  /// With the interior ones.
+  /// Counts the interior ones too.
   std::size_t num_points() const { return points.size() + num_interior_points(); }
-  /// Hexahedra, tetrahedra and interior cells, in this order.
+  /// Counts hexahedra, tetrahedra and interior cells, in this order.
   std::size_t num_pieces() const { return hexahedra.size() + tetrahedra.size() + interior.cells.size(); }
   struct Piece {
     std::array<int, 8> points;
@@ -87,10 +87,10 @@ struct ClippedMesh {
 ///   curved body is second-order accurate, that of a planar one exact.
 ClippedMesh clip_cells(const CutCells& cut_cells);
 
-/// The boundary alone: the same without cells where they are not needed to find it.
+/// Clips the boundary alone: the same without cells where they are not needed to find it.
 ClippedMesh clip_boundary(const CutCells& cut_cells);
 
-/// Cell coordinates in [-1,1]^3 of a point (grid coordinates) in an active cell; clamped to the cell.
+/// Returns cell coordinates in [-1,1]^3 of a point (grid coordinates) in an active cell; clamped to the cell.
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point);
 
 }  // namespace cgcontact

@@ -15,7 +15,7 @@ DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<
 /// Cuts the cells of the mesh with a plane, turned towards `normal`; as the sections of cut_open.
 DrawnBody section_of(const DrawnBody& whole, const Vec3& point, const Vec3& normal);
 
-/// The boundary alone, with the points that it has.
+/// Returns the boundary alone, with the points that it has.
 DrawnBody boundary_of(const DrawnBody& whole);
 
 }  // namespace cgcontact

@@ -7,14 +7,14 @@
 
 namespace cgcontact {
 
-/// By body: at the points of its drawn mesh, of a face at those of them that lie on it (at its quadrature points if it
-/// is smaller than that); of the contact pressure in the contact rows.
+/// Finds extremes by body: at the points of its drawn mesh, of a face at those of them that lie on it (at its
+/// quadrature points if it is smaller than that); of the contact pressure in the contact rows.
 std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn);
 
-/// The same where nothing else is drawn: of several ranks each draws some of the bodies. Collective.
+/// Does so where nothing else is drawn: each rank draws some of the bodies. Collective.
 std::vector<BodyExtremes> extremes_by_ranks(const Results& results, const Scene& scene);
 
-/// The body with the largest (or the smallest) value of one kind, or -1.
+/// Returns the body with the largest (or the smallest) value of one kind, or -1.
 int body_with_largest(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind);
 int body_with_smallest(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind);
 

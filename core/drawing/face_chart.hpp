@@ -17,17 +17,17 @@ struct FaceTriangles {
 /// Maps points of a face to (right, up, towards the viewer), m.
 class FaceChart {
  public:
-  /// A face whose normals lie in one plane and spread by more than about 30 degrees is a cylinder, if it is round: it
-  /// is unrolled, `right` being the arc length. Any other face is projected: along the coordinate axis within 18
-  /// degrees of its mean normal; a curved one along the last of the coordinate axes that its normals do not turn away
-  /// from and that is about as near to its mean normal as any, so that a cup keeps its symmetry; else along its mean
-  /// normal.
+  /// Charts a face. One whose normals lie in one plane and spread by more than about 30 degrees is a cylinder, if it is
+  /// round: it is unrolled, `right` being the arc length. Any other face is projected: along the coordinate axis within
+  /// 18 degrees of its mean normal; a curved one along the last of the coordinate axes that its normals do not turn
+  /// away from and that is about as near to its mean normal as any, so that a cup keeps its symmetry; else along its
+  /// mean normal.
   explicit FaceChart(const FaceTriangles& face);
 
   /// Returns the chart position of x in a triangle near `near`, so that no triangle of a closed cylinder is torn.
   Vec3 place(const Vec3& x, const Vec3& near) const;
   Vec3 place(const Vec3& x) const { return place(x, x); }
-  /// The picture is seen from inside the body: triangles are to be turned round.
+  /// Returns whether the picture is seen from inside the body: triangles are to be turned round.
   bool mirrored() const { return mirrored_; }
   bool unrolled() const { return radius_ > 0; }
   const std::string& right_name() const { return right_name_; }

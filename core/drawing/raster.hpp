@@ -29,7 +29,7 @@ struct RasterVertex {
 
 class RasterImage {
  public:
-  /// The image is drawn `oversampling` times finer in each direction and then averaged.
+  /// Draws `oversampling` times finer in each direction, then averages.
   RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour);
 
   /// Draws a triangle. `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light.
@@ -60,11 +60,11 @@ class RasterImage {
     int part;
     bool plain;  ///< of one value
   };
-  /// False if the triangle is seen from behind or from the side.
+  /// Returns false if the triangle is seen from behind or from the side.
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
   static std::array<int, 2> columns_of_row(const Screen& screen, int row, const std::array<int, 2>& columns);
   void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, const Vec3& weight, Pixel& pixel);
-  /// Fraction of the pixel that lies on a grid line.
+  /// Returns the fraction of the pixel that lies on a grid line.
   static double line_cover(const Vec3& grid, const Screen& screen);
   static bool are_apart(const Pixel& a, const Pixel& b);
   bool is_outline(int x, int y) const;

@@ -21,8 +21,8 @@ struct SampledCells {
   int largest_block = 1;                     ///< cells along the side of the largest one
 };
 
-/// At most about `most` blocks; near the zones they are cells as long as possible. A corner of a block outside of all
-/// cells has the value of the nearest cell of the block.
+/// Samples at most about `most` blocks; near the zones they are cells as long as possible. A corner of a block outside
+/// of all cells has the value of the nearest cell of the block.
 SampledCells sample_cells(const BodyFields& body, const std::vector<SceneBox>& zones, std::size_t most);
 
 }  // namespace cgcontact

@@ -36,14 +36,14 @@ struct SceneView {
   std::vector<DrawnBody> shown;  ///< boundaries, and sections where they are opened
 };
 
-/// Thin bodies (at most two cells across) and quadtrees are seen from the front, others from above at an angle, from
-/// the corner that shows the most stress, cut open where the contact lies inside.
+/// Chooses the view: thin bodies (at most two cells across) and quadtrees are seen from the front, others from above at
+/// an angle, from the corner that shows the most stress, cut open where the contact lies inside.
 SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies);
 
 /// Chooses the same without what is shown: from where, and where it would be opened.
 SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody>& bodies);
 
-/// SceneView::shown of the same bodies with other fields.
+/// Returns SceneView::shown of the same bodies with other fields.
 std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBody>& bodies);
 
 /// Box of a pair's pressed zone.
@@ -53,11 +53,11 @@ struct ContactZoneBox {
   Vec3 normal = Vec3::Zero();  ///< of the first body, outward, integrated: near zero where it goes all round
 };
 
-/// None: nothing is pressed.
+/// Returns none if nothing is pressed.
 std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair);
 
-/// The same scene for a look at a contact zone: from a side of the scene that the zone reaches, else cut open in the
-/// middle of the zone.
+/// Views the scene for a contact zone: from a side of the scene that the zone reaches, else cut open in the middle of
+/// it.
 SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone);
 
 }  // namespace cgcontact

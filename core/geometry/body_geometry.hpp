@@ -35,14 +35,14 @@ class BodyGeometry {
  public:
   virtual ~BodyGeometry() = default;
 
-  /// The surfaces that bound it, with the names of the faces that lie on them; elsewhere numbered as here.
+  /// Returns the surfaces that bound it, with the names of the faces that lie on them; elsewhere numbered as here.
   const std::vector<Surface>& surfaces() const { return surfaces_; }
 
-  /// Its image under x -> scale * rotation * x + translation (scale > 0).
+  /// Returns its image under x -> scale * rotation * x + translation (scale > 0).
   virtual std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                           double scale) const = 0;
-  /// The same, 2^level times as large, for one level of a refined grid: what follows the surface as closely as the
-  /// cells need does so in and around its leaves. level >= 1.
+  /// Returns the same, 2^level times as large, for one level of a refined grid: what follows the surface as closely as
+  /// the cells need does so in and around its leaves. level >= 1.
   virtual std::shared_ptr<const BodyGeometry> on_level(int level, const CellTree& tree) const;
   /// Returns the image of a prism along an axis under x[axis] -> factor * x[axis] + shift (factor > 0). Throws
   /// InputError if a surface is neither along the axis nor across it, or lies across it between the prism's ends.
@@ -51,18 +51,18 @@ class BodyGeometry {
   virtual bool bounding_box(Vec3& min, Vec3& max) const = 0;
   /// Returns whether x is inside or on the boundary.
   virtual bool contains(const Vec3& x) const = 0;
-  /// To the nearest surface, >= 0.
+  /// Returns the distance to the nearest surface, >= 0.
   virtual double distance_to_surfaces(const Vec3& x) const = 0;
-  /// The surface on which a point x of the boundary with the outward normal n lies; its nearest point and normal are
-  /// those of the Surface.
+  /// Returns the surface on which a point x of the boundary with the outward normal n lies; its nearest point and
+  /// normal are those of the Surface.
   virtual int surface_at(const Vec3& x, const Vec3& n) const = 0;
   /// Appends the points x + t d, |t| <= reach, where the line enters or leaves it, in no order.
   virtual void crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const = 0;
 
   // On a grid.
 
-  /// Is a block of cells inside (1), outside (0), or is neither sure (-1)? `sides`: by surface, what the blocks around
-  /// this one have left about theirs: 1 inner, 0 outer, -1 not known.
+  /// Returns whether a block of cells is inside (1), outside (0), or unsure (-1). `sides`: by surface, what the blocks
+  /// around this one have left about theirs: 1 inner, 0 outer, -1 not known.
   virtual int side_of_block(const Vec3& centre, const Vec3& half_size, std::vector<signed char>& sides) const;
   /// Finds the cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in the
   /// coordinates of the grid. Pieces of the boundary are cut at the dividers, `order`: of the rule on them
@@ -82,8 +82,8 @@ class BodyGeometry {
   // Returns the number of facets of a body made of flat ones.
 
   virtual std::size_t num_facets() const { return 0; }
-  /// Width of the narrower of two facets that meet at an angle (at least_angle, radians, or more) although they stand
-  /// for one smooth surface, at the facet nearest to x; 0: the surface there is what it stands for.
+  /// Returns the width of the narrower of two facets that meet at an angle (at least_angle, radians, or more) although
+  /// they stand for one smooth surface, at the facet nearest to x; 0: the surface there is what it stands for.
   virtual double facet_width(const Vec3& x, double least_angle) const;
 
   // For drawing.
@@ -91,15 +91,15 @@ class BodyGeometry {
   /// Returns whether the surfaces go on beyond the boundary, so that it takes the sides of all of them to know what is
   /// inside.
   virtual bool has_endless_surfaces() const { return false; }
-  /// Those of the candidates (ascending) that may come nearer than `slack` to a cube.
+  /// Returns the candidates (ascending) that may come nearer than `slack` to a cube.
   virtual std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,
                                          const std::vector<int>& candidates) const;
   /// Returns whether a convex polyhedron that no surface crosses is inside, by the sides on which it lies of the
   /// surfaces that come near (of all surfaces if they are endless), and by its centroid.
   virtual bool is_inside(const std::vector<char>& inner_side, const std::vector<int>& near, const Vec3& centroid) const;
-  /// To the boundary, < 0 inside.
+  /// Returns the distance to the boundary, < 0 inside.
   virtual double signed_distance(const Vec3& x) const;
-  /// The surfaces for many searches of one of them alone.
+  /// Returns the surfaces for many searches of one of them alone.
   virtual std::vector<Surface> surfaces_alone() const { return surfaces_; }
   using UseFacet = std::function<void(const Index3& cell, int surface, const Vec3* corners, int num_corners)>;
   /// Calls use for all convex polygons into which the cells of a grid divide the facets, counterclockwise seen from

@@ -20,7 +20,7 @@ class ParametricSurface {
  public:
   virtual ~ParametricSurface() = default;
   virtual bool is_plane() const = 0;
-  /// S, S_u, S_v; the second derivatives are left as they are.
+  /// Computes S, S_u, S_v; the second derivatives are left as they are.
   virtual void first(const Vec2& uv, SurfaceJet& jet) const = 0;
   virtual void second(const Vec2& uv, SurfaceJet& jet) const = 0;
   /// Returns the nearest parameters where S is defined.

@@ -15,7 +15,7 @@ class TriangleSurface;
 /// Its functions are those of BodyGeometry.
 class Solid {
  public:
-  /// Nothing.
+  /// Makes an empty solid.
   Solid();
   explicit Solid(std::shared_ptr<const BodyGeometry> geometry) : geometry_(std::move(geometry)) {}
 
@@ -23,19 +23,19 @@ class Solid {
   /// (box: x- x+ y- y+ z- z+; sphere: surface; cylinder and cone: side bottom top; half-space: plane).
   static Solid box(const Vec3& min, const Vec3& max, const std::string& name);
   static Solid sphere(const Vec3& centre, double radius, const std::string& name);
-  /// Finite cylinder from `base` to `top` (centres of its ends).
+  /// Makes a finite cylinder from `base` to `top` (centres of its ends).
   static Solid cylinder(const Vec3& base, const Vec3& top, double radius, const std::string& name);
-  /// Frustum between two circles about the line from `base` to `top`; one radius may be 0 (no face there then). The
-  /// radii must differ.
+  /// Makes a frustum between two circles about the line from `base` to `top`; one radius may be 0 (no face there then).
+  /// The radii must differ.
   static Solid cone(const Vec3& base, const Vec3& top, double base_radius, double top_radius, const std::string& name);
-  /// {x : normal . (x - point) <= 0}.
+  /// Makes {x : normal . (x - point) <= 0}.
   static Solid half_space(const Vec3& point, const Vec3& normal, const std::string& name);
-  /// Boolean operations on these. Other bodies: combine_triangles (core/bodies/booleans.hpp).
+  /// Combine these. Other bodies: combine_triangles (core/bodies/booleans.hpp).
   static Solid unite(const Solid& a, const Solid& b);
   static Solid intersect(const Solid& a, const Solid& b);
   static Solid subtract(const Solid& a, const Solid& b);
 
-  /// Bounded by a triangle surface.
+  /// Makes a solid bounded by a triangle surface.
   static Solid bounded_by(TriangleSurface surface);
 
   const BodyGeometry& geometry() const { return *geometry_; }

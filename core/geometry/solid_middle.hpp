@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Middle of the body's bounding box; 0 along axes where it is unbounded.
+/// Returns the middle of the body's bounding box; 0 along axes where it is unbounded.
 inline Vec3 middle_of(const BodyGeometry& body) {
   Vec3 min, max;
   body.bounding_box(min, max);

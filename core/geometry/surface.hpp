@@ -15,9 +15,9 @@ struct Surface;
 class SurfacePatch {
  public:
   virtual ~SurfacePatch() = default;
-  /// The plane that touches it where it is nearest to x: a point of it and its unit outward normal.
+  /// Returns the plane that touches it where it is nearest to x: a point of it and its unit outward normal.
   virtual Surface near(const Vec3& x) const = 0;
-  /// Unit outward normal where it is nearest to x, as smooth as the surface that it stands for.
+  /// Returns the unit outward normal where it is nearest to x, as smooth as the surface that it stands for.
   virtual Vec3 normal(const Vec3& x) const = 0;
 };
 
@@ -35,20 +35,20 @@ struct Surface {
 
   /// Returns the signed distance; of a patch that to the plane that touches it nearest to x.
   double signed_distance(const Vec3& x) const;
-  /// Unit gradient of the signed distance; of a patch its normal.
+  /// Returns the unit gradient of the signed distance; of a patch its normal.
   Vec3 gradient(const Vec3& x) const;
-  /// The surface itself; of a patch the plane that touches it nearest to x, without names.
+  /// Returns the surface itself; of a patch the plane that touches it nearest to x, without names.
   Surface near(const Vec3& x) const;
   /// Parameters t of the intersections of the line x + t d with the surface, ascending; returns 0, 1 or 2 (0 for a
   /// patch: see BodyGeometry::crossings).
   int intersect_line(const Vec3& x, const Vec3& d, double t[2]) const;
-  /// Upper bound of the principal curvatures; of a patch 0, of a cone where it is wide.
+  /// Returns an upper bound of the principal curvatures; of a patch 0, of a cone where it is wide.
   double max_curvature() const { return radius > 0 ? 1.0 / radius : 0.0; }
-  /// The same within `reach` of x, of a cone too.
+  /// Returns the same within `reach` of x, of a cone too.
   double max_curvature(const Vec3& x, double reach) const;
 };
 
-/// From the axis of a cylinder or a cone to x, across.
+/// Returns the vector from the axis of a cylinder or a cone to x, across.
 Vec3 radial(const Surface& surface, const Vec3& x);
 /// Returns the height of x above the tip of a cone, along its axis.
 double height(const Surface& cone, const Vec3& x);

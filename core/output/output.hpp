@@ -24,14 +24,14 @@ std::vector<std::string> write_results(Results& results, const Scene& scene, con
 /// Of several ranks all call its functions.
 class ResultWriter {
  public:
-  /// The scene as it was read; the grids of the solved one may be others.
+  /// Takes the scene as it was read; the grids of the solved one may be others.
   ResultWriter(const Scene& scene, const std::string& directory);
   ~ResultWriter();
   ResultWriter(const ResultWriter&) = delete;
 
-  /// A step but the last, from number 0, with fields, contact rows and pairs. Number 0 forgets all before.
+  /// Adds a step but the last, from number 0, with fields, contact rows and pairs. Number 0 forgets all before.
   void add_step(std::size_t number, const Results& step);
-  /// As write_results; adds the last step.
+  /// Adds the last step and writes as write_results.
   std::vector<std::string> write(Results& results, const Scene& scene);
 
  private:

@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// Nothing for runs without [accuracy] or without any estimate.
+/// Draws nothing for runs without [accuracy] or without any estimate.
 void write_accuracy_plot(const Results& results, GnuplotRuns& runs);
 
 }  // namespace cgcontact

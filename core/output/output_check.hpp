@@ -40,11 +40,11 @@ struct DrawnFaces {
 };
 DrawnFaces find_faces(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::vector<DrawnBody>& drawn);
 
-/// "free", "support", "load", "contact": what decides the colour of a region.
+/// Returns what decides the colour of a region: "free", "support", "load", "contact".
 const char* role_name(const FaceRegion& region);
 /// Says the same in words with its values.
 std::string conditions(const Scene& scene, const FaceRegion& region);
-/// Mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
+/// Returns the mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
 Vec3 prescribed(const FaceRegion& region);
 
 /// Starts conditions.png: each body from two sides, its faces numbered and coloured by what holds there, with arrows

@@ -8,13 +8,13 @@
 
 namespace cgcontact {
 
-/// SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), ten significant digits.
+/// Writes SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), ten significant digits.
 void write_contact_csv(const Results& results, const std::string& file_name);
 
-/// Along the paths of the pairs: s, x, y, z (m), pressures (Pa); the reference is empty where there is none.
+/// Writes the paths of the pairs: s, x, y, z (m), pressures (Pa); the reference is empty where there is none.
 void write_pressure_csv(const Results& results, const std::string& file_name);
 
-/// Force on the first body of the pair (N), area (m^2), largest pressure (Pa).
+/// Writes force on the first body of the pair (N), area (m^2), largest pressure (Pa).
 void write_steps_csv(const Results& results, const std::string& file_name);
 
 }  // namespace cgcontact

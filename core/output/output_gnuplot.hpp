@@ -40,12 +40,12 @@ class GnuplotRuns {
   const CleanUp clean_up_;
 };
 
-/// Colour of a value in [0,1], from blue to red; channels in [0,1].
+/// Returns the colour of a value in [0,1], from blue to red; channels in [0,1].
 std::array<double, 3> palette_colour(double value);
-/// The same as a gnuplot command.
+/// Returns the same as a gnuplot command.
 std::string gnuplot_palette();
 
-/// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
+/// Quotes a text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
 /// interpreted if the terminal is set to noenhanced.
 std::string gnuplot_text(const std::string& text);
 
@@ -58,7 +58,7 @@ constexpr int longest_entry = 24;
 /// Returns the height in pixels of a font in the terminal pngcairo; in svg points are pixels.
 constexpr double png_pixels(double points) { return points * 4 / 3; }
 
-/// About the width in pixels of a text in a font of that height.
+/// Estimates the width in pixels of a text in a font of that height.
 double gnuplot_width(const std::string& text, double pixels);
 
 /// A heading for "set title" in lines that fit `width` pixels in a font of that height; longer than four lines it ends

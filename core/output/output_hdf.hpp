@@ -10,7 +10,7 @@ namespace cgcontact {
 class HdfFile {
  public:
   HdfFile();
-  /// On the disk.
+  /// Opens a file on the disk.
   explicit HdfFile(const std::string& file_name);
   ~HdfFile();
   HdfFile(const HdfFile&) = delete;
@@ -21,15 +21,15 @@ class HdfFile {
   void set_attribute(const std::string& group, const std::string& name, const std::string& value);
   void set_attribute(const std::string& group, const std::string& name, const std::vector<long long>& values);
   void set_attribute(const std::string& group, const std::string& name, long long value);
-  /// A compressed array of values.size() / columns rows; columns = 0: one-dimensional. T: unsigned char, int,
+  /// Writes a compressed array of values.size() / columns rows; columns = 0: one-dimensional. T: unsigned char, int,
   /// long long, float or double.
   template <class T>
   void write(const std::string& path, const std::vector<T>& values, int columns = 0);
-  /// Rows of an array of floats, one after the other.
+  /// Reads rows of an array of floats.
   std::vector<float> read(const std::string& path, std::size_t first_row, std::size_t num_rows);
   /// Writes the whole file; throws InputError if that fails.
   void save(const std::string& file_name);
-  /// Ends a file on the disk, which nothing can be added to any more.
+  /// Ends a file on the disk.
   void finish();
 
  private:
@@ -64,9 +64,9 @@ class HdfReader {
   HdfReader(const HdfReader&) = delete;
   HdfReader& operator=(const HdfReader&) = delete;
 
-  /// Those in a group, in the order of their names.
+  /// Lists those in a group, in the order of their names.
   std::vector<Array> arrays(const std::string& group) const;
-  /// Some of the rows, as they lie in memory.
+  /// Reads some of the rows, as they lie in memory.
   std::string read(const Array& array, std::size_t first_row, std::size_t num_rows) const;
 
  private:
@@ -79,7 +79,7 @@ class HdfRows {
  public:
   /// Creates the array; one that can grow and is there already gets num_rows more.
   HdfRows(HdfFile& file, const std::string& path, std::size_t num_rows, int columns = 0, bool can_grow = false);
-  /// The next rows; after the last ones all are in the file.
+  /// Adds the next rows; after the last ones all are in the file.
   void add(const std::vector<T>& values);
 
  private:

@@ -12,7 +12,7 @@
 
 namespace cgcontact {
 
-/// Factor by which the pictures multiply displacements, so that they are seen; 1: to scale.
+/// Returns the factor by which the pictures multiply displacements, so that they are seen; 1: to scale.
 double picture_exaggeration(const Results& results, const SceneBox& box);
 
 /// `scene`: look_at_scene of the bodies; the displacements of what it shows become those of the picture, with fits
@@ -27,8 +27,8 @@ struct StepLook {
 /// All bodies with the fields of a step.
 using StepBodies = std::function<const std::vector<DrawnBody>&(std::size_t number)>;
 
-/// In the view of scene.png, all with one range of colours and one exaggeration, that for `largest_displacement` (m).
-/// Returns the files.
+/// Draws steps in the view of scene.png, all with one range of colours and one exaggeration, that for
+/// `largest_displacement` (m). Returns the files.
 std::vector<std::string> write_step_pictures(const std::vector<StepLook>& steps, const SceneView& scene,
                                              double largest_displacement, const StepBodies& bodies, GnuplotRuns& runs);
 

@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// "pressure.svg" of the first pair, "pressure_2.svg" of the next one ...
+/// Names "pressure.svg" of the first pair, "pressure_2.svg" of the next one ...
 std::string path_picture(std::size_t pair);
 
 /// Returns the name of a pair's best pressure: that of SPR-C, or of a problem on the face.

@@ -15,7 +15,7 @@ struct PressureMap {
   std::string file, caption;
 };
 
-/// The pairs that are drawn, in order: of many those with the largest forces.
+/// Returns the pairs that are drawn, in order: of many those with the largest forces.
 std::vector<std::size_t> pairs_to_draw(const Results& results);
 
 /// Starts the drawing: recovered pressure on the face of the body with the smaller cells, with the edge of the contact

@@ -15,13 +15,13 @@ struct ProbeRange {
 };
 std::optional<ProbeRange> range_of(const ProbeFigures& probe, std::size_t field);
 
-/// A row per point and body; columns of the fields that any probe asks for, empty where its own does not.
+/// Writes a row per point and body; columns of the fields that any probe asks for, empty where its own does not.
 void write_probes_csv(const Results& results, const std::string& file_name);
 
 /// "probe_NAME.svg"
 std::string probe_picture(const ProbeFigures& probe);
 
-/// Lines and circles with more than one point; needs the folder plots of the result directory.
+/// Plots lines and circles with more than one point; needs the folder plots of the result directory.
 void write_probe_plots(const Results& results, GnuplotRuns& runs);
 
 }  // namespace cgcontact

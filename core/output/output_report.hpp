@@ -8,11 +8,12 @@
 
 namespace cgcontact {
 
-/// The text of write_report.
+/// Returns the text of write_report.
 std::string report_text(const Results& results, const std::vector<std::string>& files,
                         const std::vector<std::string>& warnings);
 
-/// The figures of a run; `files` lists what lies beside the report, `warnings` are added to those of the results.
+/// Writes the figures of a run; `files` lists what lies beside the report, `warnings` are added to those of the
+/// results.
 void write_report(const Results& results, const std::vector<std::string>& files,
                   const std::vector<std::string>& warnings, const std::string& file_name);
 

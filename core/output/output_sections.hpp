@@ -12,8 +12,8 @@ namespace cgcontact {
 /// "section_NAME.png"
 std::string section_picture(const SectionSpec& section);
 
-/// Undeformed, seen against the normal. A plane that meets no body is a warning. Needs the folder plots of the result
-/// directory.
+/// Draws undeformed sections, seen against the normal. A plane that meets no body is a warning. Needs the folder plots
+/// of the result directory.
 void write_sections(const Scene& scene, const std::vector<DrawnBody>& bodies, GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -18,11 +18,11 @@ class StepFields {
   /// `num_steps` with the last one; `file`: for the fields, none if they are not wanted.
   StepFields(std::size_t num_steps, const std::optional<std::string>& file) : num_steps_(num_steps), file_(file) {}
 
-  /// Step 0, 1, ...; step 0 begins anew (the bodies have other grids). The last one has its final pairs.
+  /// Adds step 0, 1, ...; step 0 begins anew (the bodies have other grids). The last one has its final pairs.
   void add(std::size_t number, const Results& step);
-  /// The bodies with the fields of the step that was added last.
+  /// Returns the bodies with the fields of the step that was added last.
   const std::vector<DrawnBody>& drawn() const { return drawn_; }
-  /// m, by step: the largest at the points of the drawn bodies.
+  /// Returns the largest displacement at the points of the drawn bodies, m, by step.
   const std::vector<double>& largest_displacements() const { return largest_; }
   /// Pictures step_K.png; returns their names.
   std::vector<std::string> draw(const std::string& title, const SceneView& scene, GnuplotRuns& runs);
@@ -40,7 +40,7 @@ class StepFields {
   std::vector<StepLook> looks_;
 };
 
-/// force_displacement.svg: force of every pair over the largest displacement, step by step.
+/// Plots force_displacement.svg: force of every pair over the largest displacement, step by step.
 void write_force_displacement_plot(const Results& results, GnuplotRuns& runs);
 
 }  // namespace cgcontact

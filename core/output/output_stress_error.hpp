@@ -6,8 +6,8 @@
 
 namespace cgcontact {
 
-/// Coloured maps with one scale, or curves along the face when it is one-dimensional (plane strain): samples on a line
-/// or on a circular arc once their thinnest direction is left out.
+/// Draws maps with one scale, or curves along the face when it is one-dimensional (plane strain): samples on a line or
+/// on a circular arc once their thinnest direction is left out.
 void write_stress_error_plot(const Results& results, GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -16,10 +16,11 @@ std::vector<std::string> write_study(const Study& study, const std::string& dire
 /// Throws InputError unless `directory` is missing, empty, or that of an earlier study.
 void check_study_directory(const std::string& directory);
 
-/// The runs in the study.json of a directory that gave a report, by fingerprint; empty if there is no study.json.
+/// Returns the runs in the study.json of a directory that gave a report, by fingerprint; empty if there is no
+/// study.json.
 std::map<std::string, StudyRow> earlier_rows(const std::string& directory);
 
-/// The tables for the terminal: cost of each run, error of the pressure in each zone, what failed.
+/// Returns the tables for the terminal: cost of each run, error of the pressure in each zone, what failed.
 std::string study_summary(const Study& study, const std::string& directory);
 
 }  // namespace cgcontact

@@ -11,8 +11,8 @@
 
 namespace cgcontact {
 
-/// All bodies as clipped cells. Cell arrays: body, cell, stress_raw (at the centroid), estimated_error (energy norm
-/// over the active cell, sqrt(J)), estimated_error_density (the same per square root of volume). Point arrays:
+/// Writes all bodies as clipped cells. Cell arrays: body, cell, stress_raw (at the centroid), estimated_error (energy
+/// norm over the active cell, sqrt(J)), estimated_error_density (the same per square root of volume). Point arrays:
 /// displacement, stress_recovered, von_mises. Stress components: XX, YY, ZZ, XY, YZ, XZ.
 void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name);
 
@@ -21,11 +21,11 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
 class VtkSteps {
  public:
   VtkSteps(const std::vector<DrawnBody>& bodies, const std::string& file_name);
-  /// The same bodies with the fields of the next step.
+  /// Adds the same bodies with the fields of the next step.
   void add(const std::vector<DrawnBody>& bodies);
-  /// Displacement and stress of a step (from 0) that has been added; as long as this lives.
+  /// Reads displacement and stress of a step (from 0) that has been added; as long as this lives.
   void read(std::size_t step, std::vector<DrawnBody>& bodies);
-  /// Once, after the last step.
+  /// Ends the file, once, after the last step.
   void finish();
 
  private:
@@ -35,11 +35,11 @@ class VtkSteps {
   std::size_t num_points_ = 0, num_steps_ = 0;
 };
 
-/// Triangles of the contact faces. Cell arrays: body, pair, status (1 closed, 0 open), gap, pressure_raw, pressure_spr,
-/// pressure_sprc, pressure_error; the last five as point arrays "..._smooth" too, and displacement.
+/// Writes the triangles of the contact faces. Cell arrays: body, pair, status (1 closed, 0 open), gap, pressure_raw,
+/// pressure_spr, pressure_sprc, pressure_error; the last five as point arrays "..._smooth" too, and displacement.
 void write_vtk_contact(const ContactSurface& surface, bool friction, const std::string& file_name);
 
-/// The bodies of a scene without results. Cell arrays: body, cell, cut (1: a boundary passes), volume_fraction.
+/// Writes the bodies of a scene without results. Cell arrays: body, cell, cut (1: a boundary passes), volume_fraction.
 void write_vtk_cells(const std::vector<DrawnBody>& bodies, const std::vector<const CutCells*>& cut_cells,
                      const std::string& file_name);
 

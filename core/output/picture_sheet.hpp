@@ -17,7 +17,7 @@ using Rgb = std::array<double, 3>;  ///< channels in [0,1]
 constexpr int panel = 440, gap = 24, heading = 40;
 constexpr int line_height = 24, legend_columns = 66;
 
-/// A colour as one number, for the renderer.
+/// Packs a colour as one number, for the renderer.
 double packed(const Rgb& c);
 Rgb unpacked(double value);
 std::string hex(const Rgb& c);
@@ -40,7 +40,7 @@ struct Panel {
   void fit(const std::vector<Vec3>& positions);
 };
 
-/// From above in front, or from below behind.
+/// Looks from above in front, or from below behind.
 void look_from(bool behind, Camera& camera);
 
 /// A script of gnuplot in pixels of the whole picture: panels are plotted, labels and arrows lie above them.
@@ -48,12 +48,12 @@ struct Sheet {
   std::string settings, panels;
 
   void label(const std::string& text, double x, double y, const std::string& style);
-  /// Above a row of panels.
+  /// Writes a heading above a row of panels.
   void heading(const std::string& text, double bottom);
-  /// `folder`: where gnuplot runs and the picture is written as NAME.rgb.
+  /// Adds a panel. `folder`: where gnuplot runs and the picture is written as NAME.rgb.
   void add_panel(const Panel& view, const RenderedImage& image, const std::string& name, const std::string& title,
                  const std::string& folder);
-  /// The coordinate axes as they are seen and a length, at the lower corners of a panel.
+  /// Draws the coordinate axes as they are seen and a length, at the lower corners of a panel.
   void add_axes_and_scale(const Panel& view);
 };
 

@@ -54,26 +54,26 @@ constexpr double smallest_error = 1e-10;
 
 const char* status_name(StudyRow::Status status);
 
-/// The solved run with the smallest cells, or null.
+/// Returns the solved run with the smallest cells, or null.
 const StudyRow* finest_row(const Study& study);
 
-/// Names of all zones in order.
+/// Returns the names of all zones in order.
 std::vector<std::string> zone_names(const Study& study);
 
-/// Names of all phases in order.
+/// Returns the names of all phases in order.
 std::vector<std::string> phase_names(const Study& study);
 
-/// Error of a row in a zone, or nothing.
+/// Returns the error of a row in a zone, or nothing.
 std::optional<double> pressure_error(const StudyRow& row, const std::string& zone, const PressureKind& kind);
 
-/// Error of plain SPR over that of the result.
+/// Returns the error of plain SPR over that of the result.
 std::optional<double> error_ratio(const StudyRow& row, const std::string& zone);
 
-/// Relative error of the contact force, if the row has a reference.
+/// Returns the relative error of the contact force, if the row has a reference.
 std::optional<double> force_error(const StudyRow& row);
 
-/// Observed order of convergence: log(coarse / fine) of the errors over that of the cell sizes, between this row and
-/// the next coarser one of the same variant that has been solved.
+/// Returns the observed order of convergence: log(coarse / fine) of the errors over that of the cell sizes, between
+/// this row and the next coarser one of the same variant that has been solved.
 std::optional<double> observed_rate(const Study& study, const StudyRow& row, const std::string& zone,
                                     const PressureKind& kind);
 

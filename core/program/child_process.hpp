@@ -27,7 +27,7 @@ class ChildRunner {
   /// not outlive this program.
   ChildOutcome run(const std::string& program, const std::vector<std::string>& arguments, const std::string& log);
 
-  /// The signal by which the user asked to stop, or 0.
+  /// Returns the signal by which the user asked to stop, or 0.
   int stop_signal();
 
  private:

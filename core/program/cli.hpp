@@ -33,7 +33,7 @@ struct CommandLine {
   bool quiet = false;     ///< run: print nothing but warnings and errors
   bool json = false;      ///< run: print the report instead of the summary
 
-  /// An error message that speaks of a value from the environment, with the name of the variable added.
+  /// Adds the name of the variable to an error message on a value from the environment.
   std::string with_variables(const std::string& message) const;
 };
 

@@ -27,11 +27,11 @@ class Progress {
 
   /// Ends the phase that was running and begins the next one.
   void begin_phase(const std::string& name);
-  /// State of the outer (contact) iteration.
+  /// Shows the state of the outer (contact) iteration.
   void outer_iteration(int iteration, long long active_points, double residual);
-  /// A line that stays.
+  /// Prints a line that stays.
   void message(const std::string& text);
-  /// The same, marked as a warning; also where only warnings are shown.
+  /// Prints the same, marked as a warning; also where only warnings are shown.
   void warning(const std::string& text);
   /// Ends the last phase and clears the updating line.
   void finish();

@@ -23,21 +23,21 @@ struct StudyOptions {
 
 constexpr int most_threads = 4096, most_repeats = 1000;
 
-/// "a,b,c" split and trimmed. Throws InputError if the list or an entry is empty or an entry is given twice. All
+/// Splits and trims "a,b,c". Throws InputError if the list or an entry is empty or an entry is given twice. All
 /// functions below throw InputError with the value and what is allowed.
 std::vector<std::string> parse_list(const std::string& text, const std::string& allowed);
 
-/// "KEY=1,2,3": the key and the numbers as they were written.
+/// Splits "KEY=1,2,3": the key and the numbers as they were written.
 std::pair<std::string, std::vector<std::string>> parse_vary(const std::string& text);
 
-/// Numbers > 0.
+/// Parses numbers > 0.
 std::vector<std::string> parse_factors(const std::string& text);
 
-/// One number of threads, and a list of them.
+/// Parse one number of threads, and a list of them.
 int parse_threads(const std::string& text);
 std::vector<int> parse_thread_list(const std::string& text);
 
-/// "NAME=PROGRAM,NAME=PROGRAM"; the programs must be executable files.
+/// Parses "NAME=PROGRAM,NAME=PROGRAM"; the programs must be executable files.
 std::vector<StudyOptions::Backend> parse_backends(const std::string& text);
 
 int parse_repeat(const std::string& text);

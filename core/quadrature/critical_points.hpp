@@ -10,11 +10,11 @@ namespace cgcontact {
 /// Embeds a conic as a cylinder over it.
 Quadric cylinder_over(const Conic& conic);
 
-/// u[axis] = position.
+/// Returns u[axis] - position.
 Quadric coordinate_plane(int axis, double position);
 
-/// The function whose zero on the curve a = b = 0 says that the curve's tangent has no component along `direction` (or
-/// that the curve crosses itself).
+/// Returns the function whose zero on the curve a = b = 0 says that the curve's tangent has no component along
+/// `direction` (or that the curve crosses itself).
 Quadric tangency_function(const Quadric& a, const Quadric& b, int direction);
 
 /// Replaces `points` by the points common to a, b and c near the cube [0,w]^3 that were found from the starts.

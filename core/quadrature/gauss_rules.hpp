@@ -10,14 +10,14 @@ struct GaussRule {
   std::vector<double> node, weight;
 };
 constexpr int max_gauss_points = 32;
-/// 1 <= n <= max_gauss_points.
+/// Requires 1 <= n <= max_gauss_points.
 const GaussRule& gauss_rule(int n);
 
 /// Rule on a triangle, weights sum to 1; position = a v0 + b v1 + (1 - a - b) v2.
 struct TriangleRule {
   std::vector<double> a, b, weight;
 };
-/// Exact for polynomials of total degree <= `degree`, positive weights, points inside.
+/// Returns a rule exact for total degree <= `degree`, positive weights, points inside.
 const TriangleRule& triangle_rule(int degree);
 
 }  // namespace cgcontact

@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// The non-empty intervals in ascending order.
+/// Finds the non-empty intervals in ascending order.
 void find_intervals(Slicer& slicer, std::vector<Interval>& intervals);
 
 }  // namespace cgcontact

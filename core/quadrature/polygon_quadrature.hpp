@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// All functions of the region must be linear conics.
+/// Integrates over a region all of whose functions are linear conics.
 void integrate_polygons(const Region& region, const RegionRule& rule, std::vector<RegionPoint>& points);
 
 }  // namespace cgcontact

@@ -11,7 +11,7 @@
 
 namespace cgcontact {
 
-/// Real roots of a x^2 + b x + c in ascending order; returns their number (0 if all coefficients vanish).
+/// Finds the real roots of a x^2 + b x + c in ascending order; returns their number (0 if all coefficients vanish).
 int quadratic_roots(double a, double b, double c, double roots[2]);
 
 /// c + g.u + u^T q u.
@@ -28,7 +28,7 @@ struct Conic {
   double c = 0, s = 0, t = 0, ss = 0, st = 0, tt = 0;
   double operator()(double x, double y) const { return c + x * (s + ss * x + st * y) + y * (t + tt * y); }
   bool is_linear() const { return ss == 0 && st == 0 && tt == 0; }
-  /// -1: negative on the whole square [0,w]^2, +1: not negative on it, 0: not known.
+  /// Returns -1: negative on the whole square [0,w]^2, +1: not negative on it, 0: not known.
   int sign_on_square(double w) const;
 };
 
@@ -36,7 +36,7 @@ struct Conic {
 struct Graph {
   Quadric quadric;
   double sign = 1;
-  /// NaN where the graph does not exist.
+  /// Returns NaN where the graph does not exist.
   double height(double s, double t) const;
 };
 
@@ -56,8 +56,8 @@ struct RegionPredicate {
   std::uint64_t piece = 0;             ///< bit of the surface whose piece is sought; 0: the region itself
   std::uint64_t lower = 0, upper = 0;  ///< bits of the piece's surface on the two faces of the cell
   std::uint64_t divider_mask = 0;
-  /// Region: 1 inside, else 0. Piece: 1 if the body lies on the inner side of the surface, -1 if on the outer side,
-  /// 0 if this point of the surface is not on the body's boundary or not between the two faces.
+  /// Returns for a region: 1 inside, else 0. Piece: 1 if the body lies on the inner side of the surface, -1 if on the
+  /// outer side, 0 if this point of the surface is not on the body's boundary or not between the two faces.
   int operator()(std::uint64_t mask) const;
 };
 

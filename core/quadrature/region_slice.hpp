@@ -30,7 +30,7 @@ class Slicer {
   void reset(const Region& region);
   const Region& region() const { return *region_; }
 
-  /// Valid until the next call.
+  /// Returns segments that are valid until the next call.
   const std::vector<Segment>& slice(double t);
   Signature signature(double t);
 
@@ -50,7 +50,7 @@ class Slicer {
   std::vector<Segment> segments_;
 };
 
-/// A function on the graph whose roots along a line have no closed form here.
+/// Returns whether it is a function on the graph whose roots along a line have no closed form here.
 inline bool is_general_trace(const RegionFunction& f) { return f.on_graph && !f.quadric.q.isZero(0); }
 
 }  // namespace cgcontact

@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// Its number, from 0: the one that the run has chosen; else the last solve that converged, or the last one if none
-/// did.
+/// Returns its number, from 0: the one that the run has chosen; else the last solve that converged, or the last one if
+/// none did.
 inline std::size_t answer_of(const AccuracyFigures& accuracy) {
   if (accuracy.answer >= 0) return static_cast<std::size_t>(accuracy.answer);
   for (std::size_t k = accuracy.solves.size(); k-- > 0;)

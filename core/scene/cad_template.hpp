@@ -30,7 +30,7 @@ class CadTemplate {
   /// for the user to `told`.
   std::string scene(const std::string& file, const std::string& state, std::string& told) const;
 
-  /// Lines that say what was repaired and what was left out, or nothing.
+  /// Returns lines that say what was repaired and what was left out, or nothing.
   std::string remarks() const;
 
  private:

@@ -33,9 +33,10 @@ class Expression {
   Expression(Expression&&) noexcept;
   Expression& operator=(Expression&&) noexcept;
 
-  /// Value at x (global coordinates, m); throws InputError if it is not finite there (division by zero, ...).
+  /// Returns the value at x (global coordinates, m); throws InputError if it is not finite there (division by zero,
+  /// ...).
   double operator()(const Vec3& x) const;
-  /// True if it is the constant zero.
+  /// Returns whether it is the constant zero.
   bool is_zero() const;
   bool is_constant() const;
   /// Differences of what is compared by size in it (of `sign`: what it takes), but for constants: where one changes its
@@ -48,11 +49,11 @@ class Expression {
   std::unique_ptr<Compiled> compiled_;
 };
 
-/// Value of an expression of the constants alone; throws InputError like Expression, also if x, y or z occur.
+/// Evaluates an expression of the constants alone; throws InputError like Expression, also if x, y or z occur.
 Quantity evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants = {});
 
-/// The names of variables and constants (not of functions) that occur in the text, in order, without repetition; with
-/// units behind "*" or "/", which may be meant as constants.
+/// Lists the variables and constants (not functions) that occur in the text, in order, without repetition; with units
+/// behind "*" or "/", which may be meant as constants.
 std::vector<std::string> identifiers(const std::string& text);
 
 /// " with n = 16, t = 0.1" for the constants that occur in the text, or "".

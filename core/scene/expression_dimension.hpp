@@ -30,7 +30,7 @@ struct NamesAndPowers {
 /// any more (an angle plus a number) is NaN. `text`: without units, of valid syntax. Throws MixedDimensions.
 std::optional<Dimension> find_dimension(const std::string& text, const NamesAndPowers& names);
 
-/// Both sides of every comparison by size in an expression; what `sign` takes is compared with 0.
+/// Returns both sides of every comparison by size in an expression; what `sign` takes is compared with 0.
 std::vector<std::pair<std::string, std::string>> find_comparisons(const std::string& text);
 
 }  // namespace cgcontact

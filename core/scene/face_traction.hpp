@@ -33,7 +33,7 @@ struct FaceTraction {
 /// the force and moment asked for, whatever the area of the points.
 class FaceMoments {
  public:
-  /// m, unit outward normal, m^2
+  /// Adds a point: m, unit outward normal, m^2.
   void add(const Vec3& x, const Vec3& n, double area);
   double area() const { return area_; }
   Vec3 centroid() const { return origin_ + first_ / area_; }

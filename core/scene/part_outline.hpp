@@ -32,7 +32,7 @@ struct PartEnd {
 /// A plane figure.
 struct PartCut {
   double area = 0, rim = 0;  ///< m^2; m, the length of its boundary
-  /// m; of a strip half its width, of a disc a quarter of its diameter.
+  /// Returns m; of a strip half its width, of a disc a quarter of its diameter.
   double half_width() const { return rim > 0 ? area / rim : 0; }
 };
 

@@ -12,7 +12,7 @@ namespace cgcontact {
 /// addresses a body by name). Throws InputError.
 Scene read_scene(const std::string& file, const std::vector<std::string>& overrides = {});
 
-/// The same from a text; `file`: its name in messages, and where files that it names are looked for.
+/// Reads a text; `file`: its name in messages, and where files that it names are looked for.
 Scene parse_scene(const std::string& text, const std::string& file, const std::vector<std::string>& overrides = {});
 
 }  // namespace cgcontact

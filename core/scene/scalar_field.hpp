@@ -29,16 +29,16 @@ enum class ScalarField {
   pressure
 };
 
-/// In the order of the enumeration.
+/// Lists the names in the order of the enumeration.
 const std::vector<std::string>& scalar_field_names();
 const std::string& name_of(ScalarField field);
-/// m; else Pa.
+/// Returns whether it is in m; else Pa.
 bool is_length(ScalarField field);
 
-/// Pa. Tresca: the largest difference of two principal stresses.
+/// Compute Pa. Tresca: the largest difference of two principal stresses.
 double von_mises(const Sym3& stress);
 double tresca(const Sym3& stress);
-/// Descending.
+/// Returns them descending.
 Vec3 principal_stresses(const Sym3& stress);
 
 /// Returns any field but the contact pressure, which is NaN.

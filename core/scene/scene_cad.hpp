@@ -21,7 +21,7 @@ struct CadShape {
 /// `name`: of the shape; `body`: the [[body]] that it belongs to. Throws InputError.
 CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const TomlCursor& body);
 
-/// m: the size of the body's cells for its triangles, from its `cell_size` or the longest side of the shape.
+/// Returns the size of the body's cells for its triangles, m, from its `cell_size` or the longest side of the shape.
 double cell_size_for_cad(const TomlCursor& body, double longest);
 
 /// Returns whether a face can have this name of its file in a scene.

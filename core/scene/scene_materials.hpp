@@ -14,7 +14,7 @@ class SceneMaterials {
  public:
   /// `root`: the whole document. Throws InputError.
   explicit SceneMaterials(const TomlCursor& root);
-  /// A name, or {E, nu, density, expansion, yield}. Throws InputError.
+  /// Reads a name, or {E, nu, density, expansion, yield}. Throws InputError.
   Material read(const TomlCursor& node) const;
   /// Reads the material of a rigid body, whose density alone counts: none, a name or {density}. Throws InputError.
   Material read_rigid(const std::optional<TomlCursor>& node) const;

@@ -35,10 +35,10 @@ BodySurface read_body_surface(const std::string& file, double scale, bool repair
 /// Metres per unit, by the names that a scene may use.
 const std::map<std::string, double>& mesh_units();
 
-/// One line on a surface that was read: size (extent in m) and repairs.
+/// Describes a surface in one line: size (extent in m) and repairs.
 std::string describe_surface(const std::string& file, const BodySurface& surface, const Vec3& extent);
 
-/// "" or a question about the unit, if a surface of this extent (m) is unusually long or short.
+/// Asks about the unit, if a surface of this extent (m) is unusually long or short; else "".
 std::string doubtful_unit(const Vec3& extent);
 
 /// Throws InputError.

@@ -28,15 +28,15 @@ struct Shape {
 
   /// "primitive.face" of all faces.
   std::vector<std::string> face_names() const;
-  /// The faces that "primitive.face", "primitive" (all its faces) or "face" (if only one primitive has such a face)
-  /// means; empty if there is none.
+  /// Returns the faces that "primitive.face", "primitive" (all its faces) or "face" (if only one primitive has such a
+  /// face) means; empty if there is none.
   std::vector<std::string> resolve(const std::string& reference) const;
 };
 
-/// The `cell_size` of a [[body]], m. Throws InputError.
+/// Reads the `cell_size` of a [[body]], m. Throws InputError.
 double read_cell_size(const TomlCursor& body);
 
-/// The `shape` of a [[body]]. Throws InputError; checks that the solid is bounded.
+/// Reads the `shape` of a [[body]]. Throws InputError; checks that the solid is bounded.
 Shape read_shape(const TomlCursor& body);
 
 }  // namespace cgcontact

@@ -28,7 +28,7 @@ using FindFault = std::function<std::string(const std::string& text, const std::
 /// `find_fault`, neither with [accuracy] nor with cells of any of several sizes. Throws InputError.
 std::string init_scene(const InitOptions& options, const FindFault& find_fault = {});
 
-/// An integer from fewest_init_cells to most_init_cells; throws InputError.
+/// Parses an integer from fewest_init_cells to most_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);
 
 /// Returns by its name whether a file is an input deck of CalculiX or Abaqus (.inp), which core/decks reads.
@@ -37,16 +37,16 @@ bool is_deck(const std::string& file);
 /// Throws InputError for a name that a scene cannot hold.
 void check_file_names(const std::vector<std::string>& files);
 
-/// A TOML string.
+/// Quotes a TOML string.
 std::string toml_string(const std::string& text);
 
-/// As a word of a command line in a comment: without line breaks, quoted if needed.
+/// Formats a word of a command line in a comment: without line breaks, quoted if needed.
 std::string comment_word(const std::string& text);
 
-/// The units that a surface may have in a scene.
+/// Lists the units that a surface may have in a scene.
 std::vector<std::string> unit_names();
 
-/// One of unit_names(); throws InputError.
+/// Parses one of unit_names(); throws InputError.
 std::string parse_unit(const std::string& text);
 
 }  // namespace cgcontact

@@ -35,7 +35,7 @@ class TomlCursor {
   const std::string& key() const { return key_; }
   const SceneText& text() const { return *text_; }
   SourcePlace place() const;
-  /// The value as TOML.
+  /// Returns the value as TOML.
   std::string value() const;
   [[noreturn]] void fail(const std::string& problem, const std::string& allowed = {}) const;
 
@@ -48,7 +48,7 @@ class TomlCursor {
   std::optional<TomlCursor> find(const std::string& key) const;
   /// Throws "missing" unless the key exists; `allowed` says what should be there.
   TomlCursor at(const std::string& key, const std::string& allowed = {}) const;
-  /// Key and value of all entries in the order of the file.
+  /// Returns key and value of all entries in the order of the file.
   std::vector<std::pair<std::string, TomlCursor>> entries() const;
   /// Elements of an array; a missing array of tables is empty. `what` says what the elements are.
   std::vector<TomlCursor> elements(const std::string& what) const;
@@ -57,23 +57,24 @@ class TomlCursor {
   /// Returns which of these names the string is.
   int one_of(const std::vector<std::string>& names) const;
   bool boolean() const;
-  /// A number, or a string that is an expression of the parameters; in the unit of the range.
+  /// Reads a number, or a string that is an expression of the parameters; in the unit of the range.
   double number(const Range& range) const;
-  /// The same of any dimension, in SI units.
+  /// Reads the same of any dimension, in SI units.
   Quantity quantity() const;
   int integer(int min, int max) const;
   Vec3 vector(const std::string& unit = "") const;
-  /// A vector that is not zero, normalised.
+  /// Reads a vector that is not zero, normalised.
   Vec3 direction() const;
-  /// A number, or a string that is an expression of x, y, z and the parameters; `unit`: of the SI, "" for pure numbers.
+  /// Reads a number, or a string that is an expression of x, y, z and the parameters; `unit`: of the SI, "" for pure
+  /// numbers.
   Expression expression(const std::string& unit) const;
-  /// {axis = [..], angle = degrees}; other keys are not looked at.
+  /// Reads {axis = [..], angle = degrees}; other keys are not looked at.
   Mat3 rotation() const;
 
  private:
   std::string type_name() const;
   Quantity quantity(const std::string& allowed) const;
-  /// The value, and what the parameter that it names was defined as.
+  /// Returns the value, and what the parameter that it names was defined as.
   std::string value_with_definition() const;
 
   const toml::node* node_;
@@ -81,8 +82,8 @@ class TomlCursor {
   const SceneText* text_;
 };
 
-/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit; not too
-/// long for the names of files.
+/// Reads a name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit;
+/// not too long for the names of files.
 std::string read_name(const TomlCursor& node);
 
 /// Throws if the name was there before; adds it.

@@ -21,8 +21,8 @@ struct Quantity {
   bool has_units = false;              ///< units are written in the scene; else x, y, z or a computed force are meant
 };
 
-/// The value in the unit of a key. Throws InputError if the quantity has units and another dimension; `allowed`: what
-/// the key takes.
+/// Returns the value in the unit of a key. Throws InputError if the quantity has units and another dimension;
+/// `allowed`: what the key takes.
 double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& place, const std::string& text,
                 const std::string& allowed);
 

@@ -11,7 +11,7 @@ std::string hint_of_unit(const std::string& word);
 /// ": a decimal comma? ..." for a text with a comma between two digits outside of a function's arguments, or "".
 std::string hint_of_comma(const std::string& text);
 
-/// The same for one line of a scene file that is not valid TOML; also that numbers with units stand in quotes.
+/// Returns the same for one line of a scene file that is not valid TOML; also that numbers with units stand in quotes.
 std::string hint_of_line(const std::string& line);
 
 }  // namespace cgcontact

@@ -27,15 +27,15 @@ struct Unit {
   double from_si(double value) const { return value * divide / multiply; }
 };
 
-/// Length of the unit in the text from `begin` on: names with exponents between "*" and "/", or "1/..."; 0 if there is
-/// none. `names`: those of the units in it, the first one aside where it does not follow a "/".
+/// Returns the length of the unit in the text from `begin` on: names with exponents between "*" and "/", or "1/..."; 0
+/// if there is none. `names`: those of the units in it, the first one aside where it does not follow a "/".
 std::size_t length_of_unit(const std::string& text, std::size_t begin, Unit* unit = nullptr,
                            std::vector<std::string>* names = nullptr);
 
 /// Returns the unit that a text names, "" a pure number; throws std::logic_error for anything else.
 Unit unit_named(const std::string& text);
 
-/// Names of all units.
+/// Lists the names of all units.
 const std::vector<std::string>& names_of_units();
 
 /// "a length", "a pressure", "a pure number", "of the dimension m^2 kg/s".

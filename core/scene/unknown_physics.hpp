@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// For a key that names physics or loads that there are not ("friction", "mu", "force", "density"): what there is
-/// instead, in one sentence; else "". Case, "_" and "-" do not matter.
+/// Suggests in one sentence what replaces a key of physics or loads that do not exist ("friction", "mu", "force",
+/// "density"); else "". Case, "_" and "-" do not matter.
 std::string unknown_physics(const std::string& key);
 
 }  // namespace cgcontact

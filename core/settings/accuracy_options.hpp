@@ -71,9 +71,9 @@ struct AccuracyOptions {
   double near_gap = 0.05;
 
   bool any() const { return pressure || force || stress || !stress_of_body.empty() || !named.empty(); }
-  /// Number among `named`; -1: the pair has none of its own.
+  /// Returns the number among `named`; -1: the pair has none of its own.
   int named_pressure(const std::string& pair) const;
-  /// Target of a pair; none: its pressure is not asked for.
+  /// Returns the target of a pair; none: its pressure is not asked for.
   std::optional<double> pressure_of(const std::string& pair) const;
   std::vector<Setting> settings();
   void check() const;

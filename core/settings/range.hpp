@@ -22,9 +22,9 @@ struct Range {
   static Range not_negative(const std::string& unit = "");
   static Range integers(int min, int max);
   static Range from_to(double min, double max, const std::string& text, const std::string& unit = "");
-  /// > 0 and < 1.
+  /// Returns > 0 and < 1.
   static Range fraction();
-  /// Relative residuals that double precision can reach.
+  /// Returns relative residuals that double precision can reach.
   static Range tolerance();
 };
 

@@ -20,7 +20,7 @@ struct Choice {
   std::function<void(int)> set_number;  ///< makes another one the present one
 };
 
-/// A choice by an enum whose values count from 0.
+/// Makes a choice by an enum whose values count from 0.
 template <class Enum>
 Choice choice_of(Enum& value, const std::vector<std::string>& names) {
   return {names, [&value] { return static_cast<int>(value); }, [&value](int k) { value = static_cast<Enum>(k); }};
@@ -38,14 +38,14 @@ struct Setting {
   bool of_scene = true;        ///< a scene can set it; else it is a constant of the method
 };
 
-/// A constant of the method. Its source stands beside the member.
+/// Makes a constant of the method. Its source stands beside the member.
 Setting method_constant(const std::string& key, double& value, const Range& range);
 Setting method_constant(const std::string& key, int& value, const Range& range);
 
 /// Throws InputError for the first number out of its range: key (under `section`), value, allowed range.
 void check_settings(const std::string& section, const std::vector<Setting>& settings);
 
-/// A line "key = value" for each setting, as in a scene; after them the constants of the method, as comments.
+/// Prints a line "key = value" for each setting, as in a scene; after them the constants of the method, as comments.
 std::string print_settings(const std::string& section, const std::vector<Setting>& settings);
 
 }  // namespace cgcontact

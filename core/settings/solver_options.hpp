@@ -10,7 +10,7 @@ enum class Preconditioner {
   muelu       ///< smoothed aggregation on the assembled matrix, for comparison
 };
 const std::vector<std::string>& preconditioner_names();
-/// Its name in scenes and reports.
+/// Returns its name in scenes and reports.
 const std::string& name_of(Preconditioner preconditioner);
 
 /// Methods of Belos' solver factory, by its names.

@@ -25,7 +25,7 @@ struct SurfaceRepairs {
 /// and shells that are inside out.
 SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file);
 
-/// The same without merging points: those that coincide are meant to be several (shells that touch along an edge).
+/// Checks without merging points: those that coincide are meant to be several (shells that touch along an edge).
 SurfaceRepairs check_parted(TriangleSoup& soup, const std::string& file);
 
 /// Removes triangles whose corners lie on a line: the neighbour across the longest edge is divided at the corner

@@ -68,7 +68,7 @@ void flood(const std::vector<std::array<int, 3>>& neighbours, int first, const P
   }
 }
 
-/// Radians, 0 to pi.
+/// Returns radians, 0 to pi.
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 }  // namespace cgcontact

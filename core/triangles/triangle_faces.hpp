@@ -39,12 +39,12 @@ struct NamedTriangles {
   std::vector<std::string> names;  ///< "part.face"
 };
 
-/// Triangles that no selector takes make up the face "rest". Throws InputError if a selector takes none or one that
-/// another has taken.
+/// Names faces; triangles that no selector takes make up the face "rest". Throws InputError if a selector takes none or
+/// one that another has taken.
 NamedTriangles name_faces(const TriangleSoup& soup, const std::string& part,
                           const std::vector<TriangleSelector>& selectors);
 
-/// The surface with its faces divided into patches at edges sharper than the crease angle (radians).
+/// Divides the faces of a surface into patches at edges sharper than the crease angle (radians).
 TriangleSurface make_surface(const TriangleSoup& soup, const NamedTriangles& faces, double crease_angle);
 
 }  // namespace cgcontact

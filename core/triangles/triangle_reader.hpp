@@ -18,10 +18,10 @@ bool is_triangle_file(const std::string& file);
 /// and what is wrong.
 TriangleSoup read_triangles(const std::string& file);
 
-/// The same from the contents of a file of that name.
+/// Parses the contents of a file of that name.
 TriangleSoup parse_triangles(const std::string& file, const std::string& bytes);
 
-/// Points with equal coordinates become one; returns how many went.
+/// Merges points with equal coordinates; returns how many went.
 int merge_equal_points(TriangleSoup& soup);
 
 }  // namespace cgcontact

@@ -22,7 +22,7 @@ struct SurfaceRepair {
   double volume_before = 0, volume_after = 0, area_before = 0, area_after = 0;
   double distance = 0;       ///< the largest of a new triangle (corners, centroid) from the old surface
   std::vector<char> is_new;  ///< of every triangle: was not in the file
-  /// One line, for points in metres.
+  /// Describes it in one line, for points in metres.
   std::string text() const;
 };
 

@@ -21,7 +21,7 @@ struct TriangleSoup {
   std::vector<int> line;                ///< of the facet in the file; empty: a binary file
   std::vector<FacetGroup> groups = {};  ///< several may have one name, or a facet in common
 
-  /// "triangle 7 (line 52) at (x, y, z)": number, line if known, centroid.
+  /// Names "triangle 7 (line 52) at (x, y, z)": number, line if known, centroid.
   std::string place(int triangle) const;
   bool is_in_group(int triangle, const std::string& name) const;
   /// Keeps the triangles whose entry is not zero.

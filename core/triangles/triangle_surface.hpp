@@ -11,7 +11,8 @@
 
 namespace cgcontact {
 
-/// neighbour[t][e]: the triangle across the edge from corner e to the next one, -1 where there is none or several.
+/// Returns neighbour[t][e]: the triangle across the edge from corner e to the next one, -1 where there is none or
+/// several.
 std::vector<std::array<int, 3>> edge_neighbours(const std::vector<Triangle>& triangles, std::size_t num_points);
 
 class TriangleSurface {
@@ -25,16 +26,16 @@ class TriangleSurface {
   const std::vector<Triangle>& triangles() const { return topology_->triangles; }
   int patch(int triangle) const { return topology_->patch[triangle]; }
   const std::vector<std::string>& face_names() const { return topology_->face_names; }
-  /// Unit outward normal.
+  /// Returns the unit outward normal.
   const Vec3& normal(int triangle) const { return normals_[triangle]; }
   const Vec3& corner(int triangle, int k) const { return points_[topology_->triangles[triangle][k]]; }
-  /// The triangle across the edge from corner k to the next one, -1 where there is none or several.
+  /// Returns the triangle across the edge from corner k to the next one, -1 where there is none or several.
   int neighbour(int triangle, int k) const { return topology_->neighbours[triangle][k]; }
   const TriangleTree& tree() const { return tree_; }
 
-  /// The image under x -> scale * rotation * x + translation.
+  /// Returns the image under x -> scale * rotation * x + translation.
   TriangleSurface transformed(const Mat3& rotation, const Vec3& translation, double scale) const;
-  /// The image under x[axis] -> factor * x[axis] + shift.
+  /// Returns the image under x[axis] -> factor * x[axis] + shift.
   TriangleSurface stretched(int axis, double factor, double shift) const;
 
   /// The point of the surface nearest to a point.
@@ -46,14 +47,14 @@ class TriangleSurface {
   };
   /// Returns the nearest foot on one patch, or on all (-1); only feet nearer than `limit`.
   Foot nearest(const Vec3& x, int patch = -1, double limit = 1e300) const;
-  /// Unit normal at a point of a triangle, interpolated between the mean normals at its corners; these are
+  /// Returns the unit normal at a point of a triangle, interpolated between the mean normals at its corners; these are
   /// angle-weighted over the triangles of its own patch that are joined there.
   Vec3 smooth_normal(int triangle, const Vec3& point) const;
-  /// The triangle with the least distance (in the units of the points) + 1 - cosine of its angle with the unit vector
-  /// n.
+  /// Returns the triangle with the least distance (in the units of the points) + 1 - cosine of its angle with the unit
+  /// vector n.
   int nearest_facing(const Vec3& x, const Vec3& n) const;
-  /// Is x inside or on the surface? By the nearest point and its mean normal (Baerentzen and Aanaes, Signed distance
-  /// computation using the angle weighted pseudonormal, IEEE TVCG 11, 2005).
+  /// Returns whether x is inside or on the surface, by the nearest point and its mean normal (Baerentzen and Aanaes,
+  /// Signed distance computation using the angle weighted pseudonormal, IEEE TVCG 11, 2005).
   bool contains(const Vec3& x) const;
 
   /// Calls use(t, triangle) for all triangles that the line x + t d meets with |t| <= reach; a line through an edge

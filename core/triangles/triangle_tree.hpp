@@ -35,7 +35,7 @@ class TriangleTree {
   TriangleTree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                const std::vector<int>& group = {});
 
-  /// The same tree for moved points.
+  /// Refits the tree to moved points.
   void refit(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
 
   const Vec3& min() const { return boxes_.front().min; }

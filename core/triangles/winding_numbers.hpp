@@ -19,8 +19,8 @@ class WindingNumbers {
   WindingNumbers(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                  const std::vector<Passes>& passes);
 
-  /// At x, with an error below 0.02 (0.013 was met on open, tangled surfaces); without the triangle `left_out`, whose
-  /// both sides x is between.
+  /// Computes them at x, with an error below 0.02 (0.013 was met on open, tangled surfaces); without the triangle
+  /// `left_out`, whose both sides x is between.
   std::array<double, num_surfaces> at(const Vec3& x, int left_out) const;
 
  private:
