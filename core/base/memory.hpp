@@ -12,10 +12,10 @@ struct MemoryBudget {
   std::string remedy;  ///< how to have more, or empty
 };
 
-/// Returns the least of: memory that the system has available (swap not counted), what the control group of this
-/// process and those above it leave, and its limit of address space (ulimit -v). The environment variable
-/// CGCONTACT_MEMORY_LIMIT (as for parse_memory; set by --memory-limit) replaces all of them. With several ranks: that
-/// of the rank with the least when the run began, or its share of a machine.
+/// Returns the least of: available memory of the system (without swap), what the control group of this process and
+/// those above it leave, and its limit of address space (ulimit -v). The environment variable CGCONTACT_MEMORY_LIMIT
+/// (as for parse_memory; set by --memory-limit) replaces all of them. With several ranks: that of the rank with the
+/// least when the run began, or its share of a machine.
 MemoryBudget memory_budget();
 /// Agrees on the budget once the ranks run. Collective.
 void agree_on_memory();

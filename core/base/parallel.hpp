@@ -1,8 +1,7 @@
 /// Loops of the host over all threads of the backend, as labelled Kokkos dispatches ("cgcontact::file::what", what a
-/// Kokkos tool shows). The split into chunks does not depend on the number of threads; what a chunk leaves behind is
-/// put together in the order of the chunks, so that results are the same to the last bit for any number of threads. A
-/// loop inside a loop, or without Kokkos started (KokkosScope), runs on the calling thread. Kokkos itself is seen by
-/// parallel.cpp only.
+/// Kokkos tool shows). Chunks do not depend on the number of threads, and their results are joined in order, so that
+/// results are the same to the last bit for any number of threads. A loop inside a loop, or without Kokkos started
+/// (KokkosScope), runs on the calling thread. Only parallel.cpp sees Kokkos itself.
 #pragma once
 
 #include <cstddef>

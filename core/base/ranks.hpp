@@ -1,9 +1,8 @@
 /// Processes ("ranks", MPI) that share one run. Without mpirun, and before and after MPI runs, there is one. Every
 /// function that exchanges is collective, in the same order on all ranks.
 ///
-/// Every rank has what is small beside the volume (scene, surfaces, contact); what is computed from it by several ranks
-/// is cut into ranges, which are put together again (share_out, put_together). MPI itself is seen by ranks.cpp only,
-/// and Tpetra's maps know it.
+/// Every rank has what is small beside the volume (scene, surfaces, contact); computing it is shared in ranges, which
+/// are then exchanged (share_out, put_together). Only ranks.cpp sees MPI itself; Tpetra's maps know it.
 #pragma once
 
 #include <algorithm>

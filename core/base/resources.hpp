@@ -15,10 +15,10 @@ int available_threads();
 /// of /proc/self/cgroup, `root` the mount point of the hierarchies (/sys/fs/cgroup); versions 1 and 2.
 double cpu_quota(const std::string& groups, const std::string& root);
 
-/// Settings of the OpenMP runtime, which reads them before main: starts the program again, in the same process, with
-/// OMP_NUM_THREADS as given and, where the environment does not have them yet, OMP_PROC_BIND, OMP_PLACES,
-/// OPENBLAS_NUM_THREADS and MALLOC_ARENA_MAX. Returns if the environment is as it should be already (so the second
-/// time), or if the system does not allow it. threads = 0: OMP_NUM_THREADS if set, else available_threads().
+/// Sets up the OpenMP runtime, which reads its settings before main: starts the program again, in the same process,
+/// with OMP_NUM_THREADS as given and, unless set, OMP_PROC_BIND, OMP_PLACES, OPENBLAS_NUM_THREADS and MALLOC_ARENA_MAX.
+/// Returns if the environment is right already (so the second time), or if the system does not allow it. threads = 0:
+/// OMP_NUM_THREADS if set, else available_threads().
 void restart_with_openmp_settings(int threads, char** argv);
 
 /// Gives this thread back all CPUs of the process: an OpenMP runtime that binds its threads has bound the calling one

@@ -22,8 +22,8 @@ struct TriangleBoolean {
 };
 
 /// Computes a op b (unite, intersect, subtract). `cell_size` (m) of the body sets the facets: at most half a cell long
-/// and a thousandth of a cell from their surface, as far as a million facets go. Where faces of both coincide, the
-/// result has the name of a's. Throws InputError if the result is empty, unbounded, or touches itself along an edge.
+/// and a thousandth of a cell from their surface, up to a million facets. Where faces of both coincide, the result has
+/// the name of a's. Throws InputError if the result is empty, unbounded, or touches itself along an edge.
 TriangleBoolean combine_triangles(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size);
 
 }  // namespace cgcontact

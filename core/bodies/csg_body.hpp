@@ -1,7 +1,6 @@
-/// Bodies as boolean expressions of elementary surfaces (plane, sphere, infinite cylinder, cone).
-/// A box is the intersection of six half-spaces, a cylinder that of one quadric and two half-spaces; surfaces that
-/// coincide (same plane, sphere or cylinder up to rounding, either orientation) are merged into one, so that
-/// faces shared by several primitives are counted once.
+/// Bodies as boolean expressions of elementary surfaces (plane, sphere, infinite cylinder, cone). A box is the
+/// intersection of six half-spaces, a cylinder that of one quadric and two half-spaces; coincident surfaces (same
+/// plane, sphere or cylinder up to rounding, either orientation) are merged, so that shared faces are counted once.
 #pragma once
 
 #include <string>

@@ -1,11 +1,10 @@
-/// The cells that a closed triangle surface crosses, with the moments of the body in them, and the cells inside.
-/// Divergence theorem with a field along x: a piece of surface adds its integral of (antiderivative along x) n_x to its
-/// own cell, and its projection times a whole cell to all cells before it in its row. Cells are swept from the far end
-/// of each row, so that whether a cell is inside is a sum of projections, not a decision: pieces in any position count
-/// once.
-/// Where the triangles stand for a curved surface, what lies between a piece and its image on that surface is added to
-/// the piece's cell (its slivers), and the points are those of the image. The sum over all cells is exact; a sliver may
-/// stick out of its cell, where the boundary passes into the next one, by no more than it is thick.
+/// Cells that a closed triangle surface crosses, with the moments of the body in them, and the cells inside. Divergence
+/// theorem with a field along x: a piece of surface adds its integral of (antiderivative along x) n_x to its own cell,
+/// and its projection times a whole cell to all cells before it in its row. Rows are swept from the far end, so that
+/// whether a cell is inside is a sum of projections, not a decision: pieces in any position count once. Where the
+/// triangles stand for a curved surface, what lies between a piece and its image is added to the piece's cell (its
+/// slivers), and the points are those of the image. The sum over all cells is exact; a sliver may stick out of its
+/// cell, where the boundary passes into the next one, by its thickness at most.
 #pragma once
 
 #include <utility>

@@ -58,9 +58,9 @@ Vec3 twice_area(const SurfacePolygon& p) {
 }
 
 /// Cuts a polygon by a chord where the values of its corners change sign; cut(a, b) is the point between a negative and
-/// a positive corner. The positive polygon is the run of positive corners around the largest value, all others belong
-/// to the other: exact even where rounding makes the polygon look as if it crossed more than twice. A polygon without
-/// corners of its sign is empty.
+/// a positive corner. The positive polygon is the run of positive corners around the largest value, the other has all
+/// others: exact even where by rounding the polygon seems crossed more than twice. A polygon without corners of its
+/// sign is empty.
 template <class Value, class Cut>
 void cut_polygon(const SurfacePolygon& polygon, const Value& value, const Cut& cut, SurfacePolygon& negative,
                  SurfacePolygon& positive) {
@@ -197,8 +197,8 @@ struct FacetPoint {
 
 /// Evaluates the functions that the reduced points of a patch with many planes integrate exactly: with s, t, z along
 /// the coordinate axes, z the one nearest to the mean normal, all polynomials of degree 3 in (s, t), those of degree 2
-/// times z, z^2, and each component of the normal times 1, s, t, z. So forces and moments of pressures and tractions
-/// stay, and the second moments of the area.
+/// times z, z^2, and each component of the normal times 1, s, t, z. This keeps forces and moments of pressures and
+/// tractions, and the area's second moments.
 FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
   constexpr int degree = 3;
   Vec3 mean = Vec3::Zero();

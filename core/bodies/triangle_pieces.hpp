@@ -52,13 +52,12 @@ void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const 
 template <class Next, class Use>
 void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use);
 
-/// As cell_boundary_points (core/bodies/cell_pieces.hpp), from the given triangles. The pieces of a patch in a cell are
-/// grouped by plane: up to 8 planes get the full rule on every plane, up to 32 one of degree 2 (in cells with more than
-/// 32 and 128 planes of all patches one degree less). A patch with more planes gets at most 29 points on each side of
-/// the dividers: forces and moments stay exact, integrals of polynomials those of its facets (of degree 3 along the
-/// surface, second moments).
-/// `curved`: what the triangles stand for. Points and normals are then those of the exact surface, as on the quadrics
-/// of CSG bodies.
+/// Adds the points of the given triangles, as cell_boundary_points (core/bodies/cell_pieces.hpp). The pieces of a patch
+/// in a cell are grouped by plane: up to 8 planes get the full rule on each, up to 32 one of degree 2 (in cells with
+/// more than 32 and 128 planes of all patches one degree less). With more planes a patch gets at most 29 points on each
+/// side of the dividers: forces and moments stay exact, integrals of polynomials those of its facets (of degree 3 along
+/// the surface, second moments). `curved`: what the triangles stand for; points and normals are then those of the exact
+/// surface, as on the quadrics of CSG bodies.
 void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriangles* curved,
                               const std::vector<int>& triangles, const Index3& cell, const std::vector<char>& selected,
                               const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points);

@@ -62,9 +62,9 @@ class CadModel {
   /// Turns a profile (mm) about the second axis of its frame (mm), arcs anywhere; an arc that ends where it begins is a
   /// circle, `through` lies opposite. Faces have the names of their edges. Throws InputError.
   static CadModel revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
-  /// Cuts a solid of revolution: its section by the half-plane from the second axis of a frame (mm) to the side of the
-  /// first, closed lines of lines and arcs (mm, in the frame), each with the number of its face or -1 for what lies on
-  /// the axis. Throws InputError that names the face that is not of revolution, or whose section is another curve.
+  /// Cuts a solid of revolution by the half-plane from the second axis of a frame (mm) to the side of the first: closed
+  /// lines of lines and arcs (mm, in the frame), each with the number of its face or -1 on the axis. Throws InputError
+  /// that names the face that is not of revolution, or whose section is another curve.
   struct SectionEdge {
     Vec2 from, to, through;
     int is_arc, face;

@@ -1,8 +1,7 @@
-/// Triangles that stand for the faces of a CAD solid: each is the image of a triangle of the parameter plane, whose
-/// sides on the rim of a face are bent to the rim's curve. The images together are the exact surface. No OpenCASCADE
-/// here.
-/// Where a face ends in a point (pole of a sphere, tip of a cone) the parameter plane has a line for it: the triangle
-/// is the image of a strip between two lines, one for each of its other two corners.
+/// Triangles that stand for the faces of a CAD solid: images of triangles of the parameter plane, whose sides on the
+/// rim of a face are bent to the rim's curve. The images together are the exact surface. No OpenCASCADE here. Where a
+/// face ends in a point (pole of a sphere, tip of a cone) the parameter plane has a line for it: the triangle is the
+/// image of a strip between two lines, one for each of its other two corners.
 #pragma once
 
 #include <array>

@@ -65,10 +65,9 @@ inline Index3 cells_of_level(const Index3& num_cells, int level) {
   return {num_cells[0] << level, num_cells[1] << level, num_cells[2] << level};
 }
 
-/// Divides cells which the body touches for as long as they are larger than what is wanted somewhere in them; those of
-/// a quadtree (Grid::slice) into four. body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid
-/// coordinates. most_levels >= 1. most_divided: TooManyCells as soon as more cells are divided, before their children
-/// are looked at.
+/// Divides cells that the body touches while they are larger than wanted somewhere in them; those of a quadtree
+/// (Grid::slice) into four. body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid coordinates.
+/// most_levels >= 1. most_divided: TooManyCells as soon as more cells are divided, before their children are looked at.
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
                       const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels,
                       double most_divided = std::numeric_limits<double>::infinity());

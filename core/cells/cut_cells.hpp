@@ -106,11 +106,11 @@ CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid
                         const std::vector<Plane>& face_dividers = {}, const GeometryOptions& options = {},
                         const CellTree& tree = {});
 
-/// Adds quadrature points of the pieces of the given surfaces in one active cell, the pieces being split at the borders
-/// of declared faces and additionally at the `dividers` (planes in grid coordinates, e.g. the grid planes of another
-/// body's grid) so that the points of each piece lie on one side of all. On planes its rule integrates polynomials of
-/// total degree <= 2 order - 1 exactly, on curved surfaces polynomials in space of total degree <= order + 1 (to about
-/// 1e-9); weights are positive. Appends to `points`.
+/// Adds quadrature points of the pieces of the given surfaces in one active cell, cut at the borders of declared faces
+/// and at the `dividers` (planes in grid coordinates, e.g. of another body's grid), so that the points of each piece
+/// lie on one side of all. On planes its rule integrates polynomials of total degree <= 2 order - 1 exactly, on curved
+/// surfaces polynomials in space of total degree <= order + 1 (to about 1e-9); weights are positive. Appends to
+/// `points`.
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,
                              const std::vector<Plane>& dividers, int order, BoundaryPoints& points);
 

@@ -2,9 +2,8 @@
 /// by k, j, i.
 ///
 /// Sparse: a row along x is cut into words of 64 positions with one bit each; a word holds the number of its first
-/// position, the others are counted. Words that are not empty are found by a hash of their position. Memory goes with
-/// the positions that there are (some 35 bytes per word, half a byte per cell of a solid body), not with the bounding
-/// box.
+/// position, the others are counted. Nonempty words are found by a hash of their position. Memory goes with the
+/// positions that there are (some 35 bytes per word, half a byte per cell of a solid body), not with the bounding box.
 #pragma once
 
 #include <cstddef>

@@ -18,10 +18,10 @@ struct FaceTriangles {
 class FaceChart {
  public:
   /// Charts a face. One whose normals lie in one plane and spread by more than about 30 degrees is a cylinder, if it is
-  /// round: it is unrolled, `right` being the arc length. Any other face is projected: along the coordinate axis within
-  /// 18 degrees of its mean normal; a curved one along the last of the coordinate axes that its normals do not turn
-  /// away from and that is about as near to its mean normal as any, so that a cup keeps its symmetry; else along its
-  /// mean normal.
+  /// round: it is unrolled, `right` being the arc length. Others are projected: along the coordinate axis within 18
+  /// degrees of the mean normal; a curved one along the last of the coordinate axes that its normals do not turn away
+  /// from and that is about as near to the mean normal as any, so that a cup keeps its symmetry; else along the mean
+  /// normal.
   explicit FaceChart(const FaceTriangles& face);
 
   /// Returns the chart position of x in a triangle near `near`, so that no triangle of a closed cylinder is torn.

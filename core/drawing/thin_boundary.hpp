@@ -8,10 +8,9 @@
 
 namespace cgcontact {
 
-/// Returns by body at most about `most` triangles in all. Points within a cube of a lattice become one of them,
-/// wherever they lie on the same surfaces; corners, edges and what is near the zones stay as they are. So values and
-/// positions are those of the drawn body, and a boundary that was closed is closed. Few triangles come as
-/// conforming_boundary has them.
+/// Returns by body at most about `most` triangles in all. Points in a cube of a lattice that lie on the same surfaces
+/// become one of them; corners, edges and the surroundings of zones stay. So values and positions are those of the
+/// drawn body, and a closed boundary stays closed. Few triangles come as conforming_boundary has them.
 std::vector<std::vector<ThinTriangle>> thin_boundaries(const std::vector<DrawnBody>& bodies,
                                                        const std::vector<SceneBox>& zones, std::size_t most);
 

@@ -15,9 +15,9 @@ namespace cgcontact {
 struct PageParts;
 
 /// Writes report.json and what the scene asks for (result.vtkhdf, contact.vtkhdf, contact.csv, pictures) to a temporary
-/// directory beside `directory` and exchanges the two. Files of the old directory that this program did not write are
-/// kept. Throws InputError if `directory` cannot be written or holds something that is not a result; it is then as it
-/// was before. Returns warnings (for example: no gnuplot, no pictures), which report.json holds too.
+/// directory beside `directory` and exchanges the two. Files of the old directory that are not this program's are kept.
+/// Throws InputError if `directory` cannot be written or holds something that is not a result; it is then as before.
+/// Returns warnings (e.g. no gnuplot, no pictures), which report.json holds too.
 std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory);
 
 /// The same for a run in steps: the fields of all of them are written too, in steps.vtkhdf and pictures.

@@ -30,9 +30,9 @@ struct PageParts {
 /// steps, then of faces with what holds there, then maps of the pressure from the last one on; the first stays.
 std::set<std::string> pictures_for_view(const PageParts& parts);
 
-/// Returns a whole page in HTML 5 that is well-formed XML too, without references to anything outside. The only scripts
-/// are those of the view; without them everything else is there. Figures are `data value="..."` elements with the value
-/// in SI; what differs between two runs of the same scene (times, memory, date, command) has the class "run".
+/// Returns a whole page in HTML 5, well-formed XML too, without references to anything outside. The only scripts are
+/// those of the view, without which everything else is there. Figures are `data value="..."` elements with the value in
+/// SI; what differs between two runs of a scene (times, memory, date, command) has the class "run".
 std::string page(const Results& results, const PageParts& parts);
 
 }  // namespace cgcontact

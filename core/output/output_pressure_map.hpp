@@ -18,10 +18,10 @@ struct PressureMap {
 /// Returns the pairs that are drawn, in order: of many those with the largest forces.
 std::vector<std::size_t> pairs_to_draw(const Results& results);
 
-/// Starts the drawing: recovered pressure on the face of the body with the smaller cells, with the edge of the contact
-/// zone (1 % of the largest pressure). Faces that are nearly flat are seen along a coordinate axis, cylindrical ones
-/// are unrolled, other ones are seen along their mean normal; faces much longer than wide (plane strain) become curves.
-/// Of many pairs those with the largest forces are drawn.
+/// Starts drawing the recovered pressure on the face of the body with the smaller cells, with the edge of the contact
+/// zone (1 % of the largest pressure). Nearly flat faces are seen along a coordinate axis, cylindrical ones are
+/// unrolled, others seen along their mean normal; faces much longer than wide (plane strain) become curves. Of many
+/// pairs those with the largest forces are drawn.
 std::vector<PressureMap> write_pressure_maps(const Results& results, const ContactSurface& surface, GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -26,9 +26,9 @@ void compress_weights(const FunctionTable& functions, std::vector<double>& weigh
 /// The same for many points in batches: time proportional to the number of points.
 void compress_many_weights(FunctionTable functions, std::vector<double>& weights);
 
-/// Changes the positive `weights` of the first points of the table as little as it takes, each by its own measure, for
-/// them to have the integrals of the points after them, whose weights (of any sign) are `others`. False, and nothing is
-/// changed, if that would take a weight that is not positive or is not possible to rounding accuracy.
+/// Changes the positive `weights` of the first points of the table as little as possible, each by its own measure, to
+/// add the integrals of the points after them, whose weights (of any sign) are `others`. False, and nothing is changed,
+/// if a weight would not be positive or rounding accuracy is not reached.
 bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights);
 
 /// Tabulates the polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1

@@ -1,7 +1,6 @@
-/// Region of a square [0,w]^2 where a boolean of the signs of several functions holds. Functions are quadratic
-/// polynomials (sections of surfaces by a plane) or the values of a quadratic polynomial in space on a curved surface
-/// given as a graph over the square. Convention everywhere: a function < 0 is "inside" (its bit is set), >= 0 is
-/// outside.
+/// Region of a square [0,w]^2 where a boolean of the signs of several functions holds: quadratic polynomials (sections
+/// of surfaces by a plane) or values of one in space on a curved surface given as a graph over the square. Convention
+/// everywhere: a function < 0 is "inside" (its bit is set), >= 0 is outside.
 #pragma once
 
 #include <cstdint>

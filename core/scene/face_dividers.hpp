@@ -12,10 +12,9 @@
 
 namespace cgcontact {
 
-/// Returns planes in grid coordinates, each once, that divide the surfaces of a solid (in the coordinates of the grid)
-/// at the borders of faces. Plane faces and facets of triangle surfaces lie in a normal cone or outside as a whole
-/// (facets are separated by their normals, Plane::of_normals); plane surfaces that lie in a side of a box are on its
-/// rim.
+/// Returns planes in grid coordinates, each once, that divide the surfaces of a solid (in grid coordinates) at the
+/// borders of faces. Plane faces and facets of triangle surfaces lie in a normal cone or outside as a whole (facets are
+/// separated by their normals, Plane::of_normals); plane surfaces in a side of a box are on its rim.
 std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, const Solid& solid, const Grid& grid);
 
 /// Appends planes at which a load on the face jumps; surfaces along a plane are not divided.

@@ -7,10 +7,10 @@ namespace cgcontact {
 
 /// Returns the boundary of the points about which the solids wind (any number of times but none) and the cavities do
 /// not, as a mesh arrangement (Zhou, Grinspun, Zorin, Jacobson, Mesh arrangements for solid geometry, ACM TOG 35,
-/// 2016): all triangles are cut where others cross, touch or cover them; of the fragments those stay that separate
-/// inside and outside. The surfaces are closed, each oriented alike throughout; cavities with their normals out of the
-/// hollow. In the result normals point out of the body, two triangles meet at every edge, and points of shells that
-/// only touch are there once for each. Points nearer to each other than `one_point` are one.
+/// 2016): all triangles are cut where others cross, touch or cover them; fragments that separate inside and outside
+/// stay. The surfaces are closed, each oriented alike; cavities with their normals out of the hollow. In the result
+/// normals point out of the body, two triangles meet at every edge, and each of several shells that touch has its own
+/// points. Points nearer to each other than `one_point` are one.
 TriangleSoup outer_boundary(const TriangleSoup& solids, const TriangleSoup& cavities, double one_point);
 
 /// Cleans the result: removes needles and triangles that are there in both senses, and separates the surface where more

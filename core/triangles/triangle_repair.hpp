@@ -33,10 +33,10 @@ struct RepairedSurface {
   std::vector<char> is_new;
 };
 
-/// Makes the triangles the boundary of a body: points that nearly coincide on rims are merged, neighbours oriented
-/// alike, holes filled, shells that cross themselves cut along the crossings, shells united where they overlap. A shell
-/// whose normals point inwards in a larger one is a cavity. Points of different shells that coincide stay apart: shells
-/// may touch along an edge. Throws InputError with the file's name if no closed surface comes out.
+/// Makes the triangles the boundary of a body: merges points that nearly coincide on rims, orients neighbours alike,
+/// fills holes, cuts shells along their own crossings, unites overlapping ones. A shell whose normals point inwards in
+/// a larger one is a cavity. Points of different shells that coincide stay apart: shells may touch along an edge.
+/// Throws InputError with the file's name if no closed surface comes out.
 SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file);
 
 }  // namespace cgcontact
