@@ -1,13 +1,13 @@
-/// The nodes of this rank and their degrees of freedom, some of which are not free: constrained nodes, whose value is a
-/// weighted sum of other nodes (hanging nodes where small cells meet large ones, the two sides of a body in plane
-/// strain), and ghost nodes, whose value is that of the rank that owns them (halo.hpp). Single degrees of freedom may
-/// be zero (across a body in plane strain): that belongs to the constraints.
+/// Nodes of this rank and their degrees of freedom, some of which are not free: constrained nodes, whose value is a
+/// weighted sum of other nodes (hanging nodes, the two sides of a body in plane strain), and ghost nodes, whose value
+/// is that of the rank that owns them (halo.hpp). Single degrees of freedom may be zero (across a body in plane
+/// strain): that belongs to the constraints.
 ///
 /// Two kinds of vectors, both with entries for all local nodes: displacements are consistent (apply_constraints: ghost
-/// nodes have the value of their owner, constrained ones that which their masters give them); forces and residuals are
-/// zero at ghost and at constrained nodes (apply_constraints_transposed); both at what is zero. Sums of each kind are
-/// of that kind, and the product of one with the other is that of the free values, summed over the ranks. On one rank,
-/// and without constraints where all cells are of one size and no body is in plane strain, both functions do nothing.
+/// nodes have the value of their owner, constrained ones that of their masters); forces and residuals are zero at ghost
+/// and constrained nodes (apply_constraints_transposed). Sums of each kind are of that kind, and the product of one
+/// with the other is that of the free values, summed over the ranks. On one rank without constraints both functions do
+/// nothing.
 #pragma once
 
 #include <Teuchos_Comm.hpp>
@@ -53,10 +53,10 @@ class DofMap {
   using Map = Tpetra::Map<>;
   using Comm = Teuchos::RCP<const Teuchos::Comm<int>>;
 
-  /// Without a halo no other rank shares these nodes. Throws InputError if there are more than 32-bit numbers of
-  /// degrees of freedom hold; std::invalid_argument where a constraint names a node that does not exist, constrains a
-  /// node twice, has no master, the same master twice or a weight that is not finite, or has a constrained node as its
-  /// master: the caller resolves chains.
+  /// Without a halo no other rank shares these nodes. Throws InputError if degrees of freedom exceed 32-bit numbers;
+  /// std::invalid_argument where a constraint names a node that does not exist, constrains a node twice, has no master,
+  /// the same master twice or a weight that is not finite, or has a constrained node as its master: the caller resolves
+  /// chains.
   explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {},
                   const std::vector<int>& zero_dofs = {}, std::shared_ptr<const Halo> halo = nullptr);
 

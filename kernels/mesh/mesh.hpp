@@ -30,10 +30,10 @@ struct LevelFace {
 /// (x, y, z in grid axes), in units of Scales::length; node numbers run through all bodies (first_node .. first_node +
 /// num_nodes).
 ///
-/// A body of several levels has a part for each level: a mesh of its own, on a grid of one level, with numbers of its
-/// own for all corners of its cells. The body's own lists are those of the parts one after the other. Where levels
-/// meet, nodes are constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children.
-/// In plane strain (Grid::plane_strain) those of the upper side are.
+/// A body of several levels has a mesh for each (`parts`), on a grid of one level, with its own numbers for all corners
+/// of its cells; the body's own lists are those of the levels one after the other. Where levels meet, nodes are
+/// constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane strain
+/// (Grid::plane_strain) those of the upper side are.
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;

@@ -1,7 +1,7 @@
-/// One step from a grid to the grid of twice the cell size: cells, supports, contact rows, and the transfer of vectors.
-/// The coarse stiffness is the Galerkin product P^T K P exactly (moments add up); the ghost penalty is discretised
-/// anew; support and contact terms keep their points and their groups per coarse cell, with the stiffness kappa E/h of
-/// the coarse h (measured in 2D: inheriting kappa E/h_fine lets the iterations grow with the number of levels).
+/// One step to the grid of twice the cell size: cells, supports, contact rows, and the transfer of vectors. The coarse
+/// stiffness is the Galerkin product P^T K P exactly (moments add up); the ghost penalty is discretised anew; support
+/// and contact terms keep their points and their groups per coarse cell, with the stiffness kappa E/h of the coarse h
+/// (measured in 2D: with kappa E/h_fine the iterations grow with the number of levels).
 #pragma once
 
 #include <algorithm>
@@ -46,10 +46,9 @@ std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine,
                                                       bool firm_holds);
 
 /// Trilinear prolongation P: x_fine(n) = 1/8 sum_a x_coarse(parents(n, a)), parents repeated where n lies on a coarse
-/// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1. Of several
-/// ranks: fine nodes of others have parents -1.
-/// The identity on bodies that are carried over.
-/// Where nodes are constrained, P and its transpose are rows instead, which are empty at constrained nodes.
+/// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1. Fine nodes
+/// of other ranks have parents -1. The identity on bodies that are carried over. Where nodes are constrained, P and its
+/// transpose are rows instead, empty at constrained nodes.
 struct Transfer {
   Kokkos::View<int* [8], Kokkos::LayoutRight, MemSpace> parents;
   Kokkos::View<int* [27], Kokkos::LayoutRight, MemSpace> children;

@@ -3,14 +3,14 @@
 /// assembled matrix of the coarsest level.
 ///
 /// The cycle is a K-cycle (Y. Notay, P. S. Vassilevski, "Recursive Krylov-based multigrid cycles", Numer. Linear
-/// Algebra Appl. 15, 2008): the correction of a level between the finest and the coarsest is made of up to three steps
-/// of flexible CG with the cycle of the coarser levels as preconditioner, until the residual has fallen to a quarter.
-/// For solid bodies one step mostly does, which is a V-cycle with a step length. Where cells are wider than a body is
-/// thick, two levels alone converge as well as elsewhere, but a bending motion costs each of them more than the next
-/// finer one (shear locking, a factor of four), and in a V-cycle these losses multiply.
+/// Algebra Appl. 15, 2008): an intermediate level's correction takes up to three steps of flexible CG with the cycle of
+/// the coarser levels as preconditioner, until the residual has fallen to a quarter. For solid bodies one step mostly
+/// does: a V-cycle with a step length. Where cells are wider than a body is thick, two levels alone converge as well as
+/// elsewhere, but a bending motion costs each of them more than the next finer one (shear locking, a factor of four),
+/// and in a V-cycle these losses multiply.
 ///
-/// Bodies that are refined locally change only some of their cells from grid to grid: a grid that mostly repeats the
-/// next finer one is passed by where its visits could cost more than the finest grid.
+/// Local refinement changes only some cells from grid to grid: a grid that mostly repeats the next finer one is passed
+/// by where its visits could cost more than the finest grid.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,8 @@
 /// Chebyshev smoothing of one multigrid level. Its base is M = D + B^T k B: D the 3 x 3 node blocks of stiffness, ghost
-/// penalty and supports, where the body is thin the blocks of whole columns of nodes (node_columns.hpp); B the rows of
-/// contact groups with their stiffness k (and mean rows of the supports of small bodies, make_support_rows), so that
-/// the surface's unknowns are held together whatever kappa is. M^-1 = D^-1 - W C^-1 W^T (Woodbury)
-/// with W = D^-1 B^T k^1/2 and the sparse, surface-sized C = 1 + k^1/2 B D^-1 B^T k^1/2.
+/// penalty and supports, in thin bodies the blocks of whole columns of nodes (node_columns.hpp); B the rows of contact
+/// groups with their stiffness k (and mean rows of the supports of small bodies, make_support_rows), which couple the
+/// surface's unknowns for any kappa. M^-1 = D^-1 - W C^-1 W^T (Woodbury) with W = D^-1 B^T k^1/2 and the sparse,
+/// surface-sized C = 1 + k^1/2 B D^-1 B^T k^1/2.
 #pragma once
 
 #include <memory>

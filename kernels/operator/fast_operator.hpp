@@ -57,9 +57,9 @@ class FastOperator {
   void add_groups(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
 
   /// Computes the symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups.
-  /// Masters have the blocks of the nodes that they constrain with the square of the weights on top (what couples two
-  /// of those nodes is left out: enough for smoothing; across a body in plane strain nothing is), constrained nodes and
-  /// those of other ranks the identity.
+  /// Masters also have the blocks of the nodes that they constrain times the square of the weights (without coupling of
+  /// two of those nodes: enough for smoothing; in plane strain there is none), constrained nodes and those of other
+  /// ranks the identity.
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks) const;
   /// The same, and the blocks between different nodes of a column (into zero matrices).
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks, const NodeColumns<Real>& columns) const;

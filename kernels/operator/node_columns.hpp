@@ -1,6 +1,6 @@
-/// Columns of nodes through the thickness where a body is thin: all nodes of a grid line between two surfaces, if there
-/// are no more than five. The smoother inverts them as one block: across a thin body the nodes hang together much more
-/// firmly than along it (slivers, supports on both sides, cells that are wider than the body is thick).
+/// Columns of nodes through the thickness where a body is thin: all nodes of a grid line between two surfaces, five at
+/// most. The smoother inverts them as one block: across a thin body nodes are coupled much more firmly than along it
+/// (slivers, supports on both sides, cells wider than the body is thick).
 #pragma once
 
 #include <vector>

@@ -1,7 +1,7 @@
-/// Partition of cells and nodes among the ranks. Cells are taken in blocks of 4 x 4 x 4 of one level along a Morton
-/// curve through the box of all bodies, so that facing regions of two bodies mostly go to the same rank, and are
-/// divided by weight, until the work of the ranks, that at borders which several of them do included, is the same to
-/// some percent. Every rank computes the same division.
+/// Partition of cells and nodes among the ranks. Blocks of 4 x 4 x 4 cells of one level along a Morton curve through
+/// the box of all bodies, so that facing regions of two bodies mostly go to the same rank, are divided by weight until
+/// the work of the ranks, with that at borders which several do, is the same to some percent. Every rank computes the
+/// same division.
 #pragma once
 
 #include <vector>

@@ -1,7 +1,7 @@
 /// Share of a system that one rank works on: the cells around its own nodes and those of their ghost faces, as a system
-/// of its own with its own numbers. Forces on the rank's own nodes are complete there: what crosses to other ranks is
-/// displacements (Halo), and a cell on the border between two ranks is computed by both. The rows of contact groups
-/// keep only entries at the rank's own nodes; their gaps are summed over the ranks.
+/// of its own with its own numbers. Forces on its own nodes are complete: ranks exchange displacements (Halo), and both
+/// compute a cell on the border between them. The rows of contact groups keep only entries at the rank's own nodes;
+/// their gaps are summed over the ranks.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,8 @@
-/// Flexible CG as a solver manager of Belos, which its factory makes under the name "FLEXIBLE CG".
-/// Y. Notay, "Flexible conjugate gradients", SIAM J. Sci. Comput. 22, 2000, truncated to one direction: the new
-/// direction is made A-orthogonal to the last one itself, which holds too where the preconditioner is not the same
-/// linear map every time, as a K-cycle is not; Belos' own CG takes that for granted. Otherwise both are the same.
-/// Scalar products are ordered_product's, so that results do not depend on the number of threads.
+/// Flexible CG as a solver manager of Belos, which its factory makes under the name "FLEXIBLE CG". Y. Notay, "Flexible
+/// conjugate gradients", SIAM J. Sci. Comput. 22, 2000, truncated to one direction: the new direction is made
+/// A-orthogonal to the last one itself, which Belos' own CG does only if the preconditioner is the same linear map
+/// every time, as a K-cycle is not. Otherwise both are the same. Scalar products are ordered_product's, so that results
+/// do not depend on the number of threads.
 #pragma once
 
 #include <BelosLinearProblem.hpp>

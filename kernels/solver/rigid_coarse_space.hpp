@@ -1,8 +1,8 @@
-/// The rigid motions of bodies that no support holds, and those of rigid bodies, solved for exactly beside the
-/// preconditioner. What holds such a body is its contact, and coarse grids see that only roughly: where neighbouring
-/// groups have become one row, a ball may turn freely, and the coarse solution turns it thousands of times too far (a
-/// ball between three walls: eigenvalues of up to 4,800, 67 iterations instead of 8). So coarse grids hold these bodies
-/// firmly (SupportTerm::soft), and the motions follow from the finest grid.
+/// Rigid motions of bodies that no support holds, and those of rigid bodies, solved for exactly beside the
+/// preconditioner. Coarse grids see the contact that holds such a body only roughly: where neighbouring groups have
+/// become one row, a ball may turn freely, and the coarse solution turns it thousands of times too far (a ball between
+/// three walls: eigenvalues of up to 4,800, 67 iterations instead of 8). So coarse grids hold these bodies firmly
+/// (SupportTerm::soft), and the motions follow from the finest grid.
 ///
 /// With R the motions and M the preconditioner, z = M r + R E^-1 R^T (r - A M r), E = R^T A R ("A-DEF2" of J. M. Tang,
 /// R. Nabben, C. Vuik, Y. A. Erlangga, J. Sci. Comput. 39, 2009), from a start with R^T r = 0. A R is not stored:
