@@ -201,7 +201,7 @@ struct ActiveBlock {
 /// Sets off-diagonal entries below `small` to zero and finds a block. Its pivots count the eigenvalues below the
 /// threshold, from the last row upwards (Sylvester's law of inertia). The shift: the lower eigenvalue of the block's
 /// last two rows once it belongs to one of those, 0 before, which brings the least ones there. Where that takes too
-/// long (nearly equal eigenvalues on both sides of the threshold): Wilkinson's, which splits off any.
+/// long (nearly equal eigenvalues around the threshold): Wilkinson's, which splits off any.
 template <class Real>
 KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int rows, const Real& small,
                                                     const Real& threshold, const MaskOf<Real>& slow) {

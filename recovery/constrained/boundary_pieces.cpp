@@ -117,12 +117,11 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
   whole.area = area;
 }
 
-/// Points on the surface with the same area moments up to degree 2 as the group, for a linear traction three on a
-/// circle, c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre
-/// and five on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame,
-/// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
-/// on a line. The tangents point from the middle of the body to the patch: its mirror image has the mirror image of the
-/// points.
+/// Places points on the surface with the group's area moments up to degree 2: for a linear traction three on a circle,
+/// c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre and five
+/// on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame, which
+/// depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points on a
+/// line. The tangents point from the middle of the body to the patch, so that mirror images have mirrored points.
 void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surface& surface, int degree, double unit,
                                   ConstraintGroup& group) const {
   auto [t1, t2] = tangents(g.normal.normalized());

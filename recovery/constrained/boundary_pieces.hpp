@@ -29,10 +29,10 @@ class BoundaryPieces {
  public:
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
-  /// Groups the boundary pieces inside the cells of a patch, by surface, condition and pair, without those that
-  /// rounding leaves of tangent faces; points for polynomials of the given degree (0: one point each), which a patch
-  /// with cells of size `unit` can distinguish. Of more than 12 pieces those with less than an eighth of the area are
-  /// joined by direction (60 degrees) into mean planes, whose `surface` is that of the largest piece.
+  /// Groups the boundary pieces inside the cells of a patch, by surface, condition and pair, without rounding of
+  /// tangent faces; points for polynomials of the given degree (0: one point each), which a patch with cells of size
+  /// `unit` can distinguish. Of more than 12 pieces those below an eighth of the area are joined by direction (60
+  /// degrees) into mean planes, whose `surface` is that of the largest piece.
   void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups, double unit = 1) const;
   std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
     std::vector<ConstraintGroup> found;

@@ -1,7 +1,7 @@
-/// The recovered contact pressure against the transmitted forces. The forces of the contact groups are in equilibrium
-/// with the solution; where a pressure does not carry them (it ends at a corner, a knife edge or a fillet of few cells,
-/// has a peak that no polynomial follows, or a patch of few closed points counts as open) they are what is known.
-/// Evidence: docs/recovery.md.
+/// Balance of the recovered contact pressure with the transmitted forces. The forces of the contact groups are in
+/// equilibrium with the solution; where a pressure does not carry them (it ends at a corner, a knife edge or a fillet
+/// of few cells, has a peak that no polynomial follows, or a patch of few closed points counts as open) only they are
+/// known. Evidence: docs/recovery.md.
 #pragma once
 
 #include "recovery/constrained/patch_states.hpp"

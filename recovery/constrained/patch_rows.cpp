@@ -189,10 +189,10 @@ void RowWriter<bodies>::add_plane_strain() {
     }
 }
 
-/// Around an axis of revolution the stress turns with the angle: on the planes through the axis a little to both sides
-/// of the half-plane there is no shear either. This says how the components that are zero in the half-plane grow beside
-/// it, d s_xy / dy = (s_rr - s_around) / r and d s_yz / dy = s_rz / r, with which the equations of equilibrium in space
-/// are those of the body of revolution; also on the axis, where nothing is divided by r.
+/// Around an axis of revolution the stress turns with the angle: on planes through the axis beside the half-plane there
+/// is no shear either. So the components that are zero in the half-plane grow beside it, d s_xy / dy = (s_rr -
+/// s_around) / r and d s_yz / dy = s_rz / r, with which the equations of equilibrium in space are those of the body of
+/// revolution; also on the axis, where nothing is divided by r.
 template <int bodies>
 void RowWriter<bodies>::add_revolution(int body, const Grid& grid, const Vec3& centre, double unit) {
   constexpr double corner[3][2] = {{0, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};  // away from the axis, along it

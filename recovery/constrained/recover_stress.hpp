@@ -24,9 +24,9 @@ struct ConstrainedRecovery {
 };
 
 /// Recovers the stress on the threads of the host, where faces and expressions are evaluated. u: displacements of all
-/// bodies, for the auxiliary patches. The polynomials of bodies[].field are replaced; the terms of the contact edges
-/// and the quadratic terms come beside them. known: pressures that act as loads; contact whose pressure nothing knows
-/// is coupled with the other body (the paper's equation 12).
+/// bodies, for the auxiliary patches. Replaces the polynomials of bodies[].field; the terms of the contact edges and
+/// the quadratic terms come beside them. known: pressures that act as loads; other contact is coupled with the other
+/// body (the paper's equation 12).
 ConstrainedRecovery recover_constrained(const HostExec& exec, const std::vector<RecoveryBody>& bodies,
                                         const RealView& u, const Scales& scales, const RecoveryOptions& options,
                                         const KnownPressures* known = nullptr);

@@ -6,9 +6,9 @@
 namespace cgcontact {
 
 /// Returns the square of the pressure at every patch, Pa^2; negative outside of the zone. Patches at the edge are
-/// whole, as groups are: those carry what belongs beyond it. So the square is continued linearly from patches farther
-/// inside, to the edge and a little beyond; then the force is set again. pressure: Pa, at the patches; inside: 1 at
-/// those on the faces; force: N, in plane strain N/m.
+/// whole, as groups are, and carry what belongs beyond it. So the square is continued linearly from farther inside to a
+/// little beyond the edge; then the force is set again. pressure: Pa, at the patches; inside: 1 at those on the faces;
+/// force: N, in plane strain N/m.
 std::vector<double> continue_to_edge(const FaceGrid& grid, const std::vector<char>& inside,
                                      const std::vector<double>& pressure, double force);
 

@@ -13,10 +13,10 @@ struct BorderPoint {
   double inverse_width = 0;  ///< 1 / width at which a parabola across the border falls to zero again, 1/m; 0: wider
 };
 
-/// Returns the points of the border where the square changes its sign between neighbouring patches of the faces: zeros
-/// of the quadratic function nearest to the squares of the patches inside within `reach` (m), which is exact for
-/// Hertz's ellipses. square: Pa^2, negative outside; inside: 1 at patches of the faces. No points at ends of the faces,
-/// where the pressure does not fall to zero.
+/// Returns points of the border where the square changes its sign between neighbouring patches of the faces: zeros of
+/// the quadratic function fitted to the squares of the patches inside within `reach` (m), exact for Hertz's ellipses.
+/// square: Pa^2, negative outside; inside: 1 at patches of the faces. None at ends of the faces, where the pressure
+/// does not fall to zero.
 std::vector<BorderPoint> border_of_zone(const FaceGrid& grid, const std::vector<double>& square,
                                         const std::vector<char>& inside, double reach);
 

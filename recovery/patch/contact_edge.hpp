@@ -1,8 +1,8 @@
 /// Stress at the edge of a contact zone. Where a frictionless contact opens the pressure ends like the square root of
 /// the distance, which no polynomial follows: the first term of Williams's expansion (half of a mode I crack: no shear
 /// on the ligament, no traction on the open side) stands beside the polynomials, with the same factor in both bodies.
-/// The paper leaves the edge open; splitting sigma* into a singular and a smooth term follows what Rodenas et al. do at
-/// crack tips. Evidence: docs/recovery.md.
+/// The paper omits the edge; Rodenas et al. split sigma* so into a singular and a smooth term at crack tips. Evidence:
+/// docs/recovery.md.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-/// Patches: the cells around each node over which sigma* is fitted (paper, section 2).
-/// What reads these, geometry and edges, is host code; kernels for any execution space take views of them
-/// (recovery/spr/spr_kernels.hpp).
+/// Patches: the cells around each node over which sigma* is fitted (paper, section 2). Host code for geometry and
+/// edges; kernels for any execution space take views of them (recovery/spr/spr_kernels.hpp).
 ///
 /// Where cells of several sizes meet, only free nodes have patches: all cells that they are a corner of. Polynomials
 /// are about their node, in units of the cells of its level: for a free node the largest ones of its patch. The cells
