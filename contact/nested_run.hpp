@@ -1,7 +1,6 @@
-/// A run on given cells whose outer iteration starts from solutions on cells of two, four, ... times the size (nested
-/// iteration): closed points recede by a row of cells in each outer iteration, however small the cells are, so that the
-/// coarsest grid finds the zone in few steps and each finer one corrects it by few rows. Figures: docs/decisions.md,
-/// "Supports and contact".
+/// Run on given cells that starts from solutions on cells of two, four, ... times the size (nested iteration): closed
+/// points recede by a row of cells per outer iteration, however small the cells are, so the coarsest grid finds the
+/// zone in few steps and finer ones correct it by few rows. Figures: docs/decisions.md, "Supports and contact".
 #pragma once
 
 #include <memory>

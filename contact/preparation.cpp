@@ -49,11 +49,10 @@ double smallest_contact_cell(const Preparation& p, int body, double otherwise) {
   return smallest < 1e300 ? smallest : otherwise;
 }
 
-/// Checks for motions that are free although all contact is closed: components that nothing holds, flat faces that
-/// slide on each other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with
-/// nothing to drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the
-/// other side's points seem to resist, as the contact of curved surfaces does between cells. Friction resists what
-/// slides.
+/// Checks for motions that are free although all contact is closed. Components that nothing holds, flat faces that
+/// slide on each other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact
+/// undriven (ball, roller) is held: no force arises. So are motions along one side's surface that the other side's
+/// points seem to resist, as in contact of curved surfaces between cells. Friction resists what slides.
 void check_free_motions(const Scene& scene, Preparation& p) {
   const auto refuse_driven = [&](const FreeMotions& free, double allowed, const std::string& text) {
     const FreeMotions driven = driven_by_loads(free, p.bodies, allowed);

@@ -18,11 +18,10 @@ double expected_energy_error(const Results& results, const std::vector<std::uniq
 /// Returns the same of one body.
 double expected_energy_error(const BodyFields& body, const SizeField& zones);
 
-/// Returns for each body the sizes of the grid of fewest cells that has a relative error of `target` in the energy
-/// norm, all bodies together (Fuenmayor and Oliver, IJNME 39 (1996) 4039, with p = 1 in three dimensions):
-/// error_of_cell falls with the size to the power 1 + 3/2, so h_new/h = E e^(-2/5) (sum of e^(6/5))^(-1/2); on
-/// quadtrees to the power 2, so h_new/h = E e^(-1/2) (sum of e)^(-1/2). Only where that is less than the first cells of
-/// the body (m).
+/// Returns for each body the sizes of the grid of fewest cells with a relative error of `target` in the energy norm of
+/// all bodies (Fuenmayor and Oliver, IJNME 39 (1996) 4039, with p = 1 in three dimensions): error_of_cell falls with
+/// the size to the power 1 + 3/2, so h_new/h = E e^(-2/5) (sum of e^(6/5))^(-1/2); on quadtrees to the power 2, so
+/// h_new/h = E e^(-1/2) (sum of e)^(-1/2). Only sizes below the body's first cells (m).
 std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double target,
                                                  const std::vector<double>& first_sizes);
 /// Returns the same of one body, whose own error is to be `target` of its own energy norm. first_size: m.

@@ -8,8 +8,8 @@
 namespace cgcontact {
 
 /// Returns the cell size of each body, m: its cell_size; else by the number of cells that [accuracy] gives over the
-/// mean thickness (twice the volume over the surface that no support holds), at least one over its shortest side, fewer
-/// where that would be too many in all. Throws InputError for a body without volume or a face without points.
+/// mean thickness (twice the volume over the unsupported surface), at least one over its shortest side, fewer where the
+/// total is too large. Throws InputError for a body without volume or a face without points.
 std::vector<double> first_cell_sizes(const Scene& scene);
 
 }  // namespace cgcontact

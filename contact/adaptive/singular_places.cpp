@@ -21,9 +21,9 @@ constexpr double apart_cells = 8, apart_part = 1.0 / 12;
 constexpr int most_candidates = 16;
 /// Cells of less volume than that (of a whole one) are no candidates: their density is rounding.
 constexpr double least_volume = 0.1;
-/// A position is singular from these values on (error: of the energy norm in the ball). Measured: notches, clamped
-/// edges, rims and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact
-/// zones: error up to 0.3, but a fall of -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
+/// Least values at a singular position (error: of the energy norm in the ball). Measured: notches, clamped edges, rims
+/// and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact zones: error
+/// up to 0.3, fall -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
 constexpr double least_error = 0.25, least_fall = 0.15, least_growth = 0.15;
 /// Cells, of the last solve's there: solves with larger ones say nothing of the exponent.
 constexpr double largest_cell = 40;

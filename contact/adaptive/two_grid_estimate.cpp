@@ -10,10 +10,10 @@
 namespace cgcontact {
 namespace {
 
-/// Factors of the estimate of one solution while there is no other to compare it with, in three dimensions and in line
-/// contact (docs/adaptivity.md). Of the stress it was down to 0.43 of the true error on the first grid that
-/// resolves an elliptic zone, and not below 1.4 with that factor in line contact, 4.3 in the mean of 20 positions: a
-/// smaller one does. On the face it sees a third to a half of the error in line contact, with another grid or without.
+/// Factors of the estimate of a single solution, in three dimensions and in line contact (docs/adaptivity.md). Of the
+/// stress it was down to 0.43 of the true error on the first grid that resolves an elliptic zone; in line contact, with
+/// that factor, not below 1.4 and 4.3 in the mean of 20 positions: a smaller one does. On the face it sees a third to a
+/// half of the error in line contact, with another grid or without.
 struct Factors {
   double in_space, in_line;
 };

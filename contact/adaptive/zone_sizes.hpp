@@ -26,10 +26,10 @@ struct ZoneState {
   std::vector<SizedBall> places;  ///< closed groups or what may touch; size: that of the present cells
 };
 
-/// Sets the local sizes of a resolved zone that ends where the faces end (a flat punch: its pressure has a peak at the
-/// rim): those of the fewest cells with `target` as the relative error of the pressure, by the estimated errors of the
-/// contact rows, taken to fall like the size (Fuenmayor and Oliver, IJNME 39 (1996) 4039, in the two dimensions of a
-/// surface): h_new/h = E e^(-1/2) (sum of e)^(-1/2).
+/// Sets the local sizes of a resolved zone that ends where the faces end (a flat punch: peak of pressure at the rim):
+/// fewest cells with `target` as the relative error of the pressure, by the estimated errors of the contact rows, taken
+/// to fall like the size (Fuenmayor and Oliver, IJNME 39 (1996) 4039, in two dimensions): h_new/h = E e^(-1/2) (sum of
+/// e)^(-1/2).
 void size_by_error(const SolvedState& state, const Results& results, int pair, double target, ZoneState& zone);
 
 /// Returns one per pair of the state.

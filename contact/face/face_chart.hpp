@@ -18,10 +18,9 @@ struct FacePoint {
 
 class FaceChart {
  public:
-  /// Makes the chart of a zone's points. planes: the symmetry planes that the zone touches. across: of plane strain,
-  /// the axis (global) along which nothing varies, or -1: it is axis 0 then. turned: axes of the body's grid, with
-  /// which those of a flat face turn. None: the face turns too much and about no single axis, or the planes do not go
-  /// with its axes.
+  /// Makes the chart of a zone's points. planes: symmetry planes at the zone. across: the axis (global) of plane
+  /// strain, or -1: it is axis 0 then. turned: axes of the body's grid, with which those of a flat face turn. None: the
+  /// face turns too much and about no single axis, or the planes do not go with its axes.
   static std::optional<FaceChart> make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
                                        int across, const Mat3& turned);
 

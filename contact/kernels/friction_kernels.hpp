@@ -1,7 +1,6 @@
-/// Kernels of friction over contact groups. Each group of a pair with friction slides along two tangents, or along one
-/// in plane strain; the rows of the linear system that say how far are turned group by group, so that what resists is a
-/// stiffness for each row (principal axes of TangentialContact::stiffness). One thread per group, as in
-/// group_kernels.hpp.
+/// Kernels of friction over contact groups. A group slides along two tangents, in plane strain along one; its rows of
+/// the linear system are turned to the principal axes of TangentialContact::stiffness, so that each row has one
+/// stiffness. One thread per group, as in group_kernels.hpp.
 #pragma once
 
 #include "contact/kernels/friction_law.hpp"

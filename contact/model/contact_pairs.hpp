@@ -77,10 +77,9 @@ struct FrictionPoints {
 std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
                                            const Vec3& x, const Vec3& n);
 
-/// Makes the pairs of the scene, in its order and without automatic ones out of reach; also marks the bodies' boundary
-/// points that have an opposite surface. `wider`: for each contact of the scene, m: it sees at least as far as that
-/// (empty: 0). Throws InputError if a named pair has no point in reach, or bodies overlap by more than contact can
-/// take.
+/// Makes the pairs of the scene, in its order, without automatic ones out of reach; marks the bodies' boundary points
+/// with an opposite surface. `wider`: least view of each contact of the scene, m (empty: 0). Throws InputError if a
+/// named pair has no point in reach, or bodies overlap by more than contact can take.
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
                                             const std::vector<double>& wider = {});
 

@@ -1,7 +1,6 @@
-/// Indentation of an elastic half-space by a convex punch of any shape, from the overlap of the undeformed bodies: with
-/// its volume V and area A the force is 1.07 E* V / sqrt(A) times a factor for long overlaps. Within 6 % for spheres,
-/// cones and flat punches (Johnson, Contact Mechanics, sections 3.3, 4.2, 5.2; derivation and figures in
-/// docs/theory.md).
+/// Indentation of an elastic half-space by a convex punch of any shape, from the overlap of the undeformed bodies with
+/// volume V and area A: F = 1.07 E* V / sqrt(A) times a factor for long overlaps. Within 6 % for spheres, cones and
+/// flat punches (Johnson, Contact Mechanics, sections 3.3, 4.2, 5.2; derivation and figures in docs/theory.md).
 #pragma once
 
 #include "core/scene/scene.hpp"

@@ -9,9 +9,8 @@
 namespace cgcontact {
 
 /// Returns a sentence for each load whose resultant, or its moment about the centroid of the face, changes by more than
-/// ResultOptions::lost_load of what acts on the face when the pieces of the face in the cells are divided: a jump that
-/// the planes of core/scene/jump_planes.hpp do not cut, or a peak, inside a cell. The same of body forces, with fewer
-/// points instead of more.
+/// ResultOptions::lost_load when the boundary pieces are divided: a jump that the planes of core/scene/jump_planes.hpp
+/// do not cut, or a peak, inside a cell. The same of body forces, with fewer points instead of more.
 std::vector<std::string> load_resolution_warnings(const Scene& scene, const std::vector<BodyModel>& bodies);
 
 }  // namespace cgcontact

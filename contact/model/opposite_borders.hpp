@@ -6,10 +6,10 @@
 
 namespace cgcontact {
 
-/// Returns planes (grid coordinates of `own`) that divide a surface of one body where its normals meet the borders of a
+/// Returns planes (grid coordinates of `own`) that divide a body's surface where its normals meet the borders of a
 /// declared face of the other body. Exact between planes, between coincident surfaces, and between concentric spheres
-/// or cylinders; where a border has no plane image (the rim of a ball's cap seen from a plane) there is none.
-/// `dividers`: box_dividers of the other body and its face.
+/// or cylinders; none for a border without a plane image (the rim of a ball's cap seen from a plane). `dividers`:
+/// box_dividers of the other body and its face.
 std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutCells& other, const FaceSpec& face,
                                     const std::vector<Plane>& dividers);
 

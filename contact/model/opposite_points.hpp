@@ -21,9 +21,9 @@ struct OppositePoint {
   Vec3 normal;      ///< outward of the other body, global axes
 };
 
-/// Finds the boundary point of `other` (face `face`) on the line x + t n that a boundary point x of `own` with the
-/// outward normal n touches or would touch: its outward normal opposes n, and between the two lies neither body (a gap,
-/// t > 0) or both of them (an overlap, t < 0). So the far side of a thin body is never met, nor what lies behind one.
+/// Finds the boundary point of `other` (face `face`) on the line x + t n that a boundary point x of `own` with outward
+/// normal n touches or would touch: its normal opposes n, and between them lies neither body (a gap, t > 0) or both (an
+/// overlap, t < 0). So neither the far side of a thin body is met, nor what lies behind one.
 std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel& other, const FaceSpec& face,
                                            const Vec3& x, const Vec3& n, const Reach& reach);
 

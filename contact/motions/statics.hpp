@@ -15,10 +15,10 @@ class Statics {
           const std::vector<ContactPair>& pairs);
   ~Statics();
 
-  /// Returns whether the loads give the force of a pair, whatever the bodies' stiffness: whether a virtual rigid motion
-  /// of the bodies exists under which the force along `direction` (unit, global axes) does all the work of the pair,
-  /// and no support and no other closed contact does any (principle of virtual work). What holds motions that no load
-  /// drives carries no force and does not count. False without a closed point.
+  /// Returns whether the loads give a pair's force, whatever the stiffness: whether in a virtual rigid motion of the
+  /// bodies the force along `direction` (unit, global axes) does all the work of the pair, and no support and no other
+  /// closed contact does any. What holds motions that no load drives carries no force and does not count. False without
+  /// a closed point.
   bool loads_give(int pair, const Vec3& direction) const;
 
  private:

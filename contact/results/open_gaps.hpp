@@ -8,10 +8,9 @@ namespace cgcontact {
 
 /// Sets the smallest gap and its estimated error of every pair without contact; needs contact rows and body fields.
 ///
-/// The error of a displacement goes with the square of that of the energy norm: both are that of the work of a load,
-/// for the load itself exactly, for that of a unit force at the gap as far as the cells resolve both equally well. So
-/// the gap is as wrong as the sum over both bodies of eta^2 times the largest displacement by which they deform, times
-/// a factor for safety.
+/// The error of a displacement goes with the square of that of the energy norm: for the load's own exactly, for that of
+/// a unit force at the gap as far as the cells resolve both equally well. So the error of the gap is the sum over both
+/// bodies of eta^2 times the largest displacement by which they deform, times a safety factor.
 void estimate_gap_errors(const SolvedState& state, Results& results);
 
 /// A pair that nothing presses although its faces may touch, as far as the displacements are known.

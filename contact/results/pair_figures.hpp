@@ -6,10 +6,10 @@
 
 namespace cgcontact {
 
-/// Sets ContactRow::touching: the rows where a pair's contact can be. These are its closed points and, since closed
-/// points make up whole groups, the open ones in the cells beside them that are less than a cell of the coarser body
-/// apart; without points where a support holds the normal direction, whose pressure is a reaction, and open ones under
-/// a load. `boundary_point`: of the row's body, by row.
+/// Sets ContactRow::touching: the closed points of a pair and, since closed points make up whole groups, the open ones
+/// in the cells beside them that are less than a cell of the coarser body apart; without points where a support holds
+/// the normal direction, whose pressure is a reaction, and open ones under a load. `boundary_point`: of the row's body,
+/// by row.
 void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
                         std::vector<ContactRow>& rows);
 

@@ -19,11 +19,11 @@ struct PressureJump {
 };
 
 /// Finds one for each pair that has any. A row is examined if all rows of its face within ResultOptions::spoilt_at_edge
-/// cells are closed. SPR-C corrects the others by some per cent of the pair's largest pressure inside of a zone, and by
-/// more where they are unsure, so it may leave their range by ResultOptions::largest_jump of that and by what the
-/// finite element stress and plain SPR differ by there. Where these two are wrong together, as in bodies that lock,
-/// SPR-C has what the forces have. A hole or a spike does not show in an estimate of the mean error (docs/recovery.md,
-/// "Error figures"). `max_pressures`: of each pair, Pa.
+/// cells are closed. Inside a zone SPR-C corrects the others by some per cent of the pair's largest pressure, and by
+/// more where they are unsure, so it may leave their range by ResultOptions::largest_jump of that and by the difference
+/// of the finite element stress and plain SPR there. Where these two are wrong together, as in bodies that lock, SPR-C
+/// follows the forces. An estimate of the mean error misses a hole or a spike (docs/recovery.md, "Error figures").
+/// `max_pressures`: of each pair, Pa.
 std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, const std::vector<double>& max_pressures,
                                          const ResultOptions& options);
 

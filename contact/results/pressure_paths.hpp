@@ -25,10 +25,9 @@ class FaceProjection {
   std::vector<PointBuckets> rows_;  ///< of each body, m
 };
 
-/// Sets Results::path. With a path in the scene: 401 points of that line, projected to the faces of every body. Without
-/// one, for every pair a line that follows the face through the largest pressure, along the coordinate axis (or else
-/// the main direction) in which the contact zone is longest, a little beyond the zone at both ends; s is zero at the
-/// largest pressure. Pairs without pressure have none.
+/// Sets Results::path. With a path in the scene: 401 points of that line, projected to the faces of every body. Else
+/// for every pair with pressure a line on the face through the largest pressure, along the coordinate axis (or else the
+/// main direction) in which the zone is longest, a little beyond both ends; s is zero at the largest pressure.
 void fill_paths(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

@@ -11,10 +11,10 @@ struct Thickness {
   double cell = 0;   ///< m, the largest of the body's cells with closed points
 };
 
-/// Thickness of a body within three cells of the closed points of a pair: 2 V / A with its volume V there and
-/// the free area A that faces one direction, the largest eigenvalue of the integral of n n^T. That is the thickness of
-/// a plate, the side of a square bar or a cube, the diameter of a rod or a ball. Faces that supports hold do not count
-/// (plane strain). Infinite without closed points.
+/// Thickness of a body within three cells of the closed points of a pair: 2 V / A with its volume V there and the free
+/// area A that faces one direction, the largest eigenvalue of the integral of n n^T: that of a plate, the side of a
+/// square bar or a cube, the diameter of a rod or a ball. Supported faces do not count (plane strain). Infinite without
+/// closed points.
 Thickness thickness_at_contact(const SolvedState& state, const ContactPair& pair, int body);
 
 }  // namespace cgcontact

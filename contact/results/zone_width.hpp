@@ -16,12 +16,11 @@ struct ZoneWidth {
   double cell = 0;  ///< m, the size of these
 };
 
-/// Returns one per pair. A zone is a connected set of closed cells; planes of symmetry of both bodies complete it. Its
-/// width at a point of its ridge is twice the distance from all open points, so that the ends of a face (and the faces
-/// of a plate one cell thick) do not count, made finer than whole cells by the spread of the transmitted forces along
-/// that direction; the mean over the ridge counts, as whole groups make a long zone too wide in some positions. Of
-/// zones smaller than the cells it is the width that their law gives (small_zones.hpp). Needs the contact links with
-/// their pressures (Simulation::recover).
+/// Returns one per pair. A zone is a connected set of closed cells, completed by planes of symmetry of both bodies. Its
+/// width at a point of its ridge is twice the distance from all open points (ends of a face, and faces of a plate one
+/// cell thick, do not count), refined by the spread of the transmitted forces along that direction; averaged over the
+/// ridge, as whole groups make a long zone too wide in some positions. Zones smaller than the cells have the width that
+/// their law gives (small_zones.hpp). Needs the contact links with their pressures (Simulation::recover).
 std::vector<ZoneWidth> zone_widths(const SolvedState& state);
 
 }  // namespace cgcontact

@@ -1,7 +1,7 @@
 /// Friction in the outer iteration: Coulomb's law with the recovered shear and the bound mu p lagged, like the
-/// pressure. With both fixed the energy is convex; each iteration goes one Newton step with an exact line search and
-/// then renews them (docs/theory.md). Closed points stick at the start of every load step, whatever the load, until the
-/// recovered stress settles; where they stuck at the end of the last step is what a step remembers.
+/// pressure. With both fixed the energy is convex; each iteration takes one Newton step with an exact line search, then
+/// renews them (docs/theory.md). Closed points stick at the start of every load step until the recovered stress
+/// settles; a step remembers where they stuck at the end of the last one.
 #pragma once
 
 #include <Kokkos_DualView.hpp>

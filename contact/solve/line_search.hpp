@@ -7,9 +7,9 @@
 namespace cgcontact {
 
 /// Goes from `before` as far towards iterate.u as the energy u . K u / 2 - f . u + sum over contact points of w [p* - k
-/// gap]_+^2 / (2 k) falls, so that the active set cannot cycle while p* stays. The linear system minimises the energy
-/// with the contact that is closed; open points that the step closes, and closed ones that it opens, bend it. `solver`
-/// has solved the system. Returns the fraction of the step, 1 if whole.
+/// gap]_+^2 / (2 k) falls, so that the active set cannot cycle while p* stays. The linear system (`solver` has solved
+/// it) minimises the energy with the present closed contact; points that the step closes or opens bend it. Returns the
+/// fraction of the step, 1 if whole.
 double search_along_step(const LinearSolver& solver, const RealView& before, Iterate& iterate);
 
 }  // namespace cgcontact

@@ -1,7 +1,7 @@
 /// Motions without stress, kept apart from the displacements. A stiff body on a soft one moves by far more than it
-/// deforms: in one number the strain is lost in rounding (by ten digits of sixteen for moduli 1e6 apart). The free
-/// expansion of a body by its temperature is such a motion as well: what is left strains the body as its stress does,
-/// so that nothing else knows of temperatures.
+/// deforms: in one number the strain is lost in rounding (ten digits of sixteen for moduli 1e6 apart). The free thermal
+/// expansion is such a motion as well: what is left strains the body as its stress does, so nothing else knows of
+/// temperatures.
 #pragma once
 
 #include <vector>

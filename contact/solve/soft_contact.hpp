@@ -1,7 +1,6 @@
-/// Contact that is softer for a while. With many cells across a zone kappa E/h is far stiffer than the bodies there are
-/// as a whole: from a wrong active set each linear solve then finds another wrong one, and an exact line search goes a
-/// hundredth of each step. With a smaller kappa the same iteration finds the zone in few steps; what presses is in p*,
-/// so that kappa can become what it is again.
+/// Softer contact for a while. With many cells across a zone kappa E/h is far stiffer than the bodies: from a wrong
+/// active set each linear solve finds another wrong one, and an exact line search takes a hundredth of each step. With
+/// a smaller kappa the iteration finds the zone in few steps; the pressure is in p*, so that kappa can be restored.
 #pragma once
 
 #include <vector>

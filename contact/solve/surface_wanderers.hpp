@@ -1,7 +1,7 @@
-/// Bodies that contact alone holds may move along their own surface, or along that of the others, as they like: the
-/// exact pressure does no work on that (find_surface_motions). That of a few cells does some, which soft springs that
-/// follow the motion let come to rest. Where it takes a body farther than the cells it touches with, the gaps, which
-/// are those of where the body was, mean nothing any more: then the body is held where it is.
+/// Bodies that contact alone holds may move along their own surface, or along that of the others: the exact pressure
+/// does no work on that (find_surface_motions). That of a few cells does some, which soft springs that follow the
+/// motion let come to rest. A body that moves farther than the cells it touches with has gaps of where it was, which
+/// mean nothing any more: then it is held where it is.
 #pragma once
 
 #include <vector>

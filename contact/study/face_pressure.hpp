@@ -15,9 +15,8 @@ namespace cgcontact {
 std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& scene);
 
 /// The SPR-C pressure between the given points: weighted linear fit to the nearest ones. Within a cell of the end of a
-/// contact zone, where the pressure falls like a square root, its square is fitted to the closed points within a cell,
-/// and the zone ends where that is zero. A pressure that does not fall towards the end (body's edge) is not one of
-/// these.
+/// zone, where the pressure falls like a square root, its square is fitted to the closed points within a cell, and the
+/// zone ends at its zero. Ends towards which the pressure does not fall (body's edge) do not count.
 class SampledPressure {
  public:
   /// `reach`: no point farther away counts, m; a cell of the run.
