@@ -15,9 +15,9 @@ struct ChildLimits {
   double bytes = 0;        ///< of memory beyond what this process has
 };
 
-/// Returns what the work has packed. The child is a copy of this process with one thread and without standard input and
-/// output: the work must take no lock that another thread may hold. Throws InputError: the one that the work has
-/// thrown, or `failure` ("... cannot ...") with how the child ended.
+/// Returns what the work has packed. The child copies this process, with one thread and without standard input and
+/// output: the work must take no lock of another thread. Throws InputError: the one that the work has thrown, or
+/// `failure` ("... cannot ...") with how the child ended.
 std::vector<char> in_child(const std::string& failure, const ChildLimits& limits,
                            const std::function<void(Packing&)>& work);
 

@@ -35,7 +35,7 @@ double number_in(const std::string& file, double otherwise) {
   return stream >> value ? value : otherwise;
 }
 
-/// The number after a word ("MemAvailable: 123 kB"), `otherwise` if the file has no such word.
+/// Number after a word ("MemAvailable: 123 kB"), `otherwise` if the file has no such word.
 double number_after(const std::string& file, const std::string& word, double otherwise) {
   std::ifstream stream(file);
   for (std::string found; stream >> found;)

@@ -21,8 +21,8 @@ namespace {
 using CpuSet = std::vector<cpu_set_t>;
 std::size_t bytes(const CpuSet& set) { return set.size() * sizeof(cpu_set_t); }
 
-/// Returns the CPUs of this process; empty if the system does not say. An OpenMP runtime that binds its threads has
-/// bound the first one, before main, to a CPU of its own: those of all threads are what the process may use.
+/// Returns the CPUs of this process; empty if the system does not say. OpenMP may have bound the first thread to a CPU
+/// of its own before main: the process may use those of all threads.
 CpuSet usable_cpus() {
 #ifdef _OPENMP
   if (const int places = omp_get_num_places(); places > 0) {

@@ -1,6 +1,6 @@
-/// Boolean operations on bodies. Of those of which at least one is bounded by triangles, by CGAL's corefinement in
-/// exact arithmetic. Operands without triangles are replaced by triangles first: planes as they are, spheres and
-/// cylinders by facets with their corners on the surface.
+/// Boolean operations on bodies. With triangles in an operand by CGAL's corefinement in exact arithmetic. Other
+/// operands are replaced by triangles first: planes as they are, spheres and cylinders by facets with their corners on
+/// the surface.
 #pragma once
 
 #include <optional>

@@ -35,7 +35,7 @@ std::vector<int> patches(const CurvedTriangles& triangles) {
   return result;
 }
 
-/// The weights a, b of corners 1, 2 at a point of a flat triangle.
+/// Weights a, b of corners 1, 2 at a point of a flat triangle.
 Vec2 corner_weights(const TriangleSurface& surface, int triangle, const Vec3& x) {
   const Vec3& origin = surface.corner(triangle, 0);
   const Vec3 u = surface.corner(triangle, 1) - origin, v = surface.corner(triangle, 2) - origin, n = u.cross(v),
@@ -229,7 +229,7 @@ const CadBody* as_cad(const Solid& solid) { return dynamic_cast<const CadBody*>(
 
 namespace {
 
-/// An expression of surfaces as a CAD model, as far as a ball (m) reaches. Its lengths are metres too.
+/// Expression of surfaces as a CAD model, as far as a ball (m) reaches. Its lengths are metres too.
 CadModel model_of(const CsgBody& body, const Vec3& centre, double radius) {
   std::vector<CadModel> stack;
   const CadModel everything = CadModel::inner_side(

@@ -11,7 +11,7 @@ namespace cgcontact {
 /// Conservative.
 int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_size);
 
-/// The surfaces that cross a box and matter there, and the boolean over their signs (bit i: on the inner side).
+/// Surfaces that cross a box and matter there, and the boolean over their signs (bit i: on the inner side).
 struct LocalSolid {
   std::vector<int> surfaces;
   std::vector<unsigned char> table;

@@ -20,7 +20,7 @@ constexpr double flat_tolerance = 1e-6, flat_angle = 1e-2;
 /// Tolerance of normals, and relative to the length of a prism: its sides and ends.
 constexpr double flat_end = 1e-3;
 
-/// The triangles of one patch, -1: of all.
+/// Triangles of one patch, -1: of all.
 class TrianglePatch final : public SurfacePatch {
  public:
   TrianglePatch(std::shared_ptr<const TriangleSurface> triangles, int patch)
@@ -44,7 +44,7 @@ class TrianglePatch final : public SurfacePatch {
   int patch_;
 };
 
-/// The patches as elementary surfaces; a flat one is a plane.
+/// Patches as elementary surfaces; a flat one is a plane.
 std::vector<Surface> patch_surfaces(const std::shared_ptr<const TriangleSurface>& triangles) {
   const std::size_t n = triangles->face_names().size();
   std::vector<Surface> surfaces(n);
@@ -161,7 +161,7 @@ double TriangleBody::facet_width(const Vec3& x, double least_angle) const {
   return widest;
 }
 
-/// The patches with a triangle there.
+/// Patches with a triangle there.
 std::vector<int> TriangleBody::surfaces_near(const Vec3& centre, double half_size, double slack,
                                              const std::vector<int>&) const {
   return patches_near(*triangles_, centre, half_size, slack);
@@ -172,7 +172,7 @@ double TriangleBody::signed_distance(const Vec3& x) const {
   return (x - foot.point).dot(foot.normal) < 0 ? -foot.distance : foot.distance;
 }
 
-/// The triangles of each patch by themselves: the search for the nearest one need not pass over all others.
+/// Triangles of each patch by themselves: the search for the nearest one need not pass over all others.
 std::vector<Surface> TriangleBody::surfaces_alone() const {
   std::vector<std::vector<Vec3>> points(surfaces_.size());
   for (int t = 0; t < static_cast<int>(num_facets()); ++t)

@@ -153,7 +153,7 @@ class Faceting {
     return result;
   }
 
-  /// The boolean expression of elementary surfaces.
+  /// Boolean expression of elementary surfaces.
   Operand of_expression(const CsgBody& solid) {
     const std::vector<Surface> surfaces = along_axes(solid.surfaces());
     std::vector<int> face;

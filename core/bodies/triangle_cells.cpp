@@ -216,7 +216,7 @@ class SliverIntegrals {
                    std::to_string(cell[1]) + ", k = " + std::to_string(cell[2]) + " of the body's grid");
 }
 
-/// Are the cells before those swept inside? Removes the rounding from the section.
+/// Returns whether the cells before those swept are inside. Removes the rounding from the section.
 bool settle(Section& section, const Index3& cell) {
   Section exact{};
   exact[0] = section[0] > 2 ? 4 : 0;

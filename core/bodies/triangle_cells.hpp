@@ -19,8 +19,8 @@ namespace cgcontact {
 class TriangleCells : public CellSweep {
  public:
   /// Finds the cells of all triangles; grid coordinates. Points are made on the pieces between the dividers by rules of
-  /// `order`, in leaves only; other cells, on a level of which few are leaves, have no moments that mean anything.
-  /// `curved`: what the triangles stand for, nullptr: themselves. All these must outlive this.
+  /// `order`, in leaves only; other cells have no meaningful moments. `curved`: what the triangles stand for, nullptr:
+  /// themselves. All these must outlive this.
   TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
                 const std::vector<Plane>& dividers, int order, const LeafLevel& leaves);
 
@@ -31,7 +31,7 @@ class TriangleCells : public CellSweep {
   void sweep(std::size_t row, SweptCells& found) const override;
 
  private:
-  /// A cell and a triangle with a piece in it; `cell` orders by k, j, i.
+  /// Cell and a triangle with a piece in it; `cell` orders by k, j, i.
   struct Entry {
     long long cell;
     int triangle;

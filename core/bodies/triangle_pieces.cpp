@@ -37,7 +37,7 @@ constexpr int bend_degrees = 4;
 /// Sides of all dividers, one bit each.
 using Sides = std::array<std::uint64_t, 4>;
 
-/// A piece on one side of every divider.
+/// Piece on one side of every divider.
 struct Part {
   int patch, plane;
   Sides sides;
@@ -122,7 +122,7 @@ struct RulePoint {
   double weight;
 };
 
-/// The axes that span the coordinate plane nearest to the plane with this normal.
+/// Axes that span the coordinate plane nearest to the plane with this normal.
 std::pair<int, int> plane_axes(const Vec3& normal) {
   int axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
@@ -189,7 +189,7 @@ void compress(const Vec3& normal, int degree, std::vector<RulePoint>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) points[i].weight = weights[i];
 }
 
-/// A point of a patch with many planes.
+/// Point of a patch with many planes.
 struct FacetPoint {
   RulePoint point;
   Vec3 normal;

@@ -18,7 +18,7 @@
 
 namespace cgcontact {
 
-/// A convex polygon in space, counterclockwise seen from outside the body.
+/// Convex polygon in space, counterclockwise seen from outside the body.
 struct SurfacePolygon {
   static constexpr int max_corners = 64;
   int n = 0;

@@ -7,9 +7,8 @@
 
 namespace cgcontact {
 
-/// The functions of CadModel and read_cad that need OpenCASCADE, which may crash or never end on a damaged file: those
-/// that look at what a file holds are to be called in a child process (cad_loader.cpp). Solids and triangles come from
-/// there as bytes.
+/// Functions of CadModel and read_cad that need OpenCASCADE, which may crash or never end on a damaged file: those that
+/// look at a file are called in a child process (cad_loader.cpp). Solids and triangles come from there as bytes.
 struct CadKernel {
   double (*volume)(const CadModel& model);
   double (*area)(const CadModel& model);
@@ -21,7 +20,7 @@ struct CadKernel {
                       const Similarity& place_b);
   CadModel (*inner_side)(const Surface& surface, const Vec3& centre, double radius);
   CadModel (*revolved)(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
-  /// The lines in no order.
+  /// Lines in no order.
   std::vector<CadModel::SectionEdge> (*section)(const CadModel& model, const ProfileFrame& frame);
   std::vector<CadSolid> (*read)(const std::string& file, const CadReading& reading);
   void (*pack_solids)(const std::vector<CadSolid>& solids, Packing& packing);

@@ -59,7 +59,7 @@ const CadKernel& kernel() {
 }
 
 // Time limits: OpenCASCADE reads, checks or divides a hundred faces or more in a second of the processor; ten times as
-// long is no end. Beside others it may take longer, but a small file on which it hangs is given up within a minute.
+// long is a hang, found within a minute for a small file.
 constexpr double least_cpu_seconds = 15, cpu_seconds_per_face = 0.1;
 constexpr double least_seconds = 45, seconds_per_face = 0.25;
 constexpr double least_bytes = 4e9, memory_per_face = 1e6;
@@ -77,7 +77,7 @@ std::vector<char> guarded(const std::string& task, const ChildLimits& limits,
   return in_child(task, limits, work);
 }
 
-/// A figure of a model, or several.
+/// Figure of a model, or several.
 template <class Measure>
 auto measured(const Measure& measure, const CadModel& model) {
   auto result = decltype(measure()){};

@@ -76,7 +76,7 @@ class CadModel {
   std::vector<CadFace> faces_;
 };
 
-/// A solid of a file.
+/// Solid of a file.
 struct CadSolid {
   std::string name;  ///< unique in the file
   CadModel model;

@@ -1,4 +1,4 @@
-/// The way into the module with OpenCASCADE.
+/// Way into the module with OpenCASCADE.
 #include "core/cad/cad_kernel.hpp"
 #include "core/cad/cad_shape.hpp"
 

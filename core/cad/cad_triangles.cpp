@@ -111,7 +111,7 @@ std::vector<TopoDS_Edge> edges_of(const TopoDS_Face& face) {
   return edges;
 }
 
-/// The edge in the parameter plane of the face; a seam has two such curves.
+/// Edge in the parameter plane of the face; a seam has two such curves.
 Handle(Geom2d_Curve) curve_of(const TopoDS_Edge& edge, const TopoDS_Face& face, bool other) {
   double begin = 0, end = 0;
   return BRep_Tool::CurveOnSurface(other ? TopoDS::Edge(edge.Reversed()) : edge, face, begin, end);
@@ -178,7 +178,7 @@ class Assembler {
     std::vector<int> point(mesh->NbNodes() + 1, -1);
     std::vector<char> pole(mesh->NbNodes() + 1, 0);
     int pole_axis = 0;
-    /// The side of a triangle from one node to another along an edge.
+    /// Side of a triangle from one node to another along an edge.
     struct OnEdge {
       int edge, curve;
       double t0, t1;

@@ -210,7 +210,7 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
       emit(m, (m + 1) % 4, (m + 2) % 4);
       emit(m, (m + 2) % 4, (m + 3) % 4);
     } else {
-      // The corner between the two middles, then a quadrangle: along its shorter diagonal.
+      // Corner between the two middles, then a quadrangle: along its shorter diagonal.
       int c = 0;
       while (!(around[c].corner >= 0 && around[(c + 4) % 5].corner < 0 && around[(c + 1) % 5].corner < 0)) ++c;
       const auto at = [&](int k) { return (c + k) % 5; };

@@ -29,7 +29,7 @@ struct CurvedTriangle {
   std::array<Side, 3> sides;
 };
 
-/// A face of the solid: its surface in the units of the file.
+/// Face of the solid: its surface in the units of the file.
 struct CurvedFace {
   std::shared_ptr<const ParametricSurface> surface;
   double orientation = 1;  ///< of S_u x S_v: 1 outwards, -1 inwards
@@ -59,8 +59,8 @@ struct Similarity {
 /// Read-only after refine(): threads share it.
 class CurvedTriangles {
  public:
-  /// A bent side: distance from the straight one in the parameter plane = s (1 - s) times this polynomial of 2 s - 1,
-  /// s from 0 to 1 along the side.
+  /// Bent side: distance from the straight one in the parameter plane = s (1 - s) times this polynomial of 2 s - 1, s
+  /// from 0 to 1 along the side.
   static constexpr int bend_terms = 7;
   using Bend = std::array<Vec2, bend_terms>;
 

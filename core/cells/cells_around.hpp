@@ -17,8 +17,8 @@ struct CellPlace {
 
 inline CellPlace place_of(const CutCells& cells, int active) { return {cells.level(active), cells.cells[active]}; }
 
-/// Calls use(CellPlace) for the positions of all cells up to `reach` cells of its size away from a cell: of its level,
-/// and of the next larger and smaller ones, which are all that may touch it. Larger ones may come several times.
+/// Calls use(CellPlace) for the positions of all cells up to `reach` cells of its size away from a cell: of its level
+/// and of the next larger and smaller ones, which may touch it. Larger ones may come several times.
 template <class Use>
 void each_place_around(int num_levels, const CellPlace& place, int reach, const Use& use) {
   const Index3& c = place.cell;

@@ -24,7 +24,7 @@ struct Adoption {
   int level = 0;  ///< of the donor
 };
 
-/// The cells of one body: the leaves of its tree that it fills or that its boundary crosses.
+/// Cells of one body: the leaves of its tree that it fills or that its boundary crosses.
 struct CutCells {
   Solid solid;  ///< in grid coordinates
   Grid grid;

@@ -25,9 +25,9 @@ struct Grid {
   /// On a quadtree: where all points are along plane_strain, in global axes too (it is turned about that axis only), m.
   double middle = 0;
   double thickness = 0;  ///< on a quadtree: of the body across, m; of a body of revolution 2 pi unit_radius
-  /// Radius of a body of revolution, whose cells (a quadtree) are those of a half-plane through its axis, at which
-  /// they count for the thickness of the slice, elsewhere in proportion to the radius, m. The axis lies at 0 of
-  /// radial_axis(), in global axes as well (the grid is not turned). 0: no body of revolution.
+  /// Radius, m, at which cells of a body of revolution (a quadtree in a half-plane through its axis) count for the
+  /// thickness of the slice, elsewhere in proportion to the radius. The axis lies at 0 of radial_axis(), in global axes
+  /// as well (the grid is not turned). 0: no body of revolution.
   double unit_radius = 0;
 
   bool is_axisymmetric() const { return unit_radius > 0; }

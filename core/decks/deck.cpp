@@ -46,7 +46,7 @@ std::vector<std::string> fields_of(std::string_view line) {
   }
 }
 
-/// A keyword with its parameters, or a line of data.
+/// Keyword with its parameters, or a line of data.
 struct Line {
   int number = 0;
   std::string file;

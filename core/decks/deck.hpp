@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-/// A side of an element, from 1, as in the manual.
+/// Side of an element, from 1, as in the manual.
 struct ElementSide {
   int element, side;
   bool operator<(const ElementSide& other) const {

@@ -329,7 +329,7 @@ void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<
   }
 }
 
-/// The new point's number; its fixed sides, if any, have been appended before.
+/// New point's number; its fixed sides, if any, have been appended before.
 int Clipper::add_point(const Vec3& x) {
   mesh_.points.push_back(x);
   mesh_.cell_of_point.push_back(active_);
@@ -404,7 +404,7 @@ int Clipper::side_by_distance(double distance) {
   return distance < 0 ? -1 : 1;
 }
 
-/// A patch, or the boundary as a whole.
+/// Patch, or the boundary as a whole.
 bool Clipper::is_patch(int surface) const {
   return surface == whole_ || surfaces_[surface].kind == Surface::Kind::patch;
 }

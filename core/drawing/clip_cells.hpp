@@ -17,7 +17,7 @@ struct BoundaryTriangle {
   int level = 0;  ///< of the cell
 };
 
-/// The six tetrahedra around the diagonal 0-6 of a hexahedron: one for each order in which the axes can be walked.
+/// Six tetrahedra around the diagonal 0-6 of a hexahedron: one for each order in which the axes can be walked.
 constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6},
                                                 {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
 

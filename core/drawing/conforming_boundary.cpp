@@ -82,7 +82,7 @@ class OpenEdges {
   }
 
  private:
-  /// The points from which few open edges lead to a or b, without these.
+  /// Points from which few open edges lead to a or b, without these.
   std::vector<int> reached(int a, int b) const {
     std::vector<int> points{a, b};
     for (std::size_t first = 0, steps = 0; steps < most_steps; ++steps) {

@@ -1,4 +1,4 @@
-/// The boundary of a drawn body without points that hang on the edges of larger triangles.
+/// Boundary of a drawn body without points that hang on the edges of larger triangles.
 #pragma once
 
 #include <array>

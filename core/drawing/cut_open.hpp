@@ -1,4 +1,4 @@
-/// A drawn body without the quarter of space that hides its inside, and cut along a plane.
+/// Drawn body without the quarter of space that hides its inside, and cut along a plane.
 #pragma once
 
 #include <array>

@@ -29,7 +29,7 @@ Vec3 area_normal(const FaceTriangles& face, const std::array<int, 3>& t) {
 /// Angle in (-pi, pi].
 double wrapped_angle(double a) { return std::remainder(a, 2 * pi); }
 
-/// The middle of the arc that the angles cover: opposite to their largest gap.
+/// Middle of the arc that the angles cover: opposite to their largest gap.
 double middle_of(std::vector<double> angles) {
   std::sort(angles.begin(), angles.end());
   double gap = angles.front() + 2 * pi - angles.back(), start = angles.back();

@@ -12,7 +12,7 @@
 
 namespace cgcontact {
 
-/// A body on its grid, as the check finds it.
+/// Body on its grid, as the check finds it.
 struct CheckedBody {
   const CutCells* cut_cells = nullptr;
   /// Contact pair (index into Scene::contacts) of each boundary point that has something opposite, else -1.
@@ -51,7 +51,7 @@ class MarkedFaces {
              std::tie(o.body, o.names, o.supports, o.loads, o.contacts, o.declared);
     }
   };
-  /// A face of the scene with the surfaces of its body that it selects.
+  /// Face of the scene with the surfaces of its body that it selects.
   struct Selected {
     const FaceRef* face;
     std::vector<char> surfaces;

@@ -1,4 +1,4 @@
-/// A small software renderer for the picture of the result: coloured triangles with a depth buffer, the lines of the
+/// Small software renderer for the picture of the result: coloured triangles with a depth buffer, the lines of the
 /// body's own grid drawn on them, outlines where body, depth or direction change.
 #pragma once
 
@@ -48,7 +48,7 @@ class RasterImage {
     std::array<unsigned char, 3> colour;
     std::array<signed char, 3> normal;  ///< of length 127
   };
-  /// A triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
+  /// Triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
   struct Screen {
     double x[3], y[3], z[3];
     Mat3 slope, grid;

@@ -149,7 +149,7 @@ class Blocks {
   std::size_t count_ = 0;
 };
 
-/// The corners of all blocks, each once.
+/// Corners of all blocks, each once.
 class Corners {
  public:
   Corners(const BodyFields& body, SampledCells& sampled)

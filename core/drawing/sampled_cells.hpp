@@ -1,5 +1,5 @@
-/// The inside of a body for sections that a reader chooses: its cells with values at their corners, blocks of cells as
-/// one where there are too many.
+/// Inside of a body for sections that a reader chooses: its cells with values at their corners, blocks of cells as one
+/// where there are too many.
 #pragma once
 
 #include <array>

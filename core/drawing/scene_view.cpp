@@ -150,7 +150,7 @@ int most_pressed(const Results& results) {
   return most;
 }
 
-/// The quarter towards the viewer around the contact.
+/// Quarter towards the viewer around the contact.
 SceneCut cut_towards(const ContactPlace& place, const Vec3& eye) {
   SceneCut cut;
   cut.corner = place.centre;

@@ -1,4 +1,4 @@
-/// A body's geometry as a value: copies share what they stand for.
+/// Body's geometry as a value: copies share what they stand for.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-/// The surfaces that bound a body: planes, spheres, cylinders, cones, or patches of any other shape.
+/// Surfaces that bound a body: planes, spheres, cylinders, cones, or patches of any other shape.
 #pragma once
 
 #include <memory>

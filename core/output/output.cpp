@@ -361,7 +361,7 @@ void ResultWriter::add_step(std::size_t number, const Results& step) {
 
 namespace {
 
-/// The rank that writes the files of fields: the last, if it is on the machine of the first.
+/// Rank that writes the files of fields: the last, if it is on the machine of the first.
 int rank_of_fields() { return of_first_rank(ranks_on_this_machine()) == num_ranks() ? num_ranks() - 1 : 0; }
 
 void set_memory(Results& results) {

@@ -153,7 +153,7 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
 }
 
-/// An arc with a point around the axis of a moment, by the right hand, and the axis.
+/// Arc with a point around the axis of a moment, by the right hand, and the axis.
 void add_moment(const Panel& view, const Spot& spot, const Vec3& moment, Sheet& sheet) {
   const Vec3 axis = moment.normalized();
   const Vec3 first = axis.cross(std::abs(axis[2]) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX()).normalized();
@@ -241,7 +241,7 @@ Rgb slice_colour(const CutCells& cells, const Vec3& x, double cells_per_pixel, i
   return cells.solid.contains(x) ? cut_cell : cut_outside;
 }
 
-/// A slice through the middle of a body's grid, across the direction with the fewest cells.
+/// Slice through the middle of a body's grid, across the direction with the fewest cells.
 RenderedImage draw_slice(const CutCells& cells) {
   const Index3& n = cells.grid.num_cells;
   const int axis = static_cast<int>(std::min_element(n.begin(), n.end()) - n.begin());
@@ -413,7 +413,7 @@ std::vector<DrawnBody> draw_boundaries(const std::vector<CheckedBody>& bodies) {
   return drawn;
 }
 
-/// A cell array over all triangles; first(region) gives the value.
+/// Cell array over all triangles; first(region) gives the value.
 template <class First>
 BoundaryArray region_array(const Drawing& drawing, const std::string& name, const std::string& names,
                            const First& first) {

@@ -1,4 +1,4 @@
-/// The picture and the ParaView files of `cgcontact check --out DIR`.
+/// Picture and the ParaView files of `cgcontact check --out DIR`.
 #pragma once
 
 #include <string>
@@ -25,14 +25,14 @@ struct CheckFiles {
 /// Throws InputError if the files cannot be written; the old ones are then still there.
 CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::string& directory);
 
-/// A face of a picture of draw_conditions.
+/// Face of a picture of draw_conditions.
 struct ConditionFace {
   int number = 0;               ///< in the picture
   std::string name, condition;  ///< "body.face"; what holds there, in words
   double area = 0;              ///< m^2
 };
 
-/// The faces of drawn bodies: what they are and which triangles they have.
+/// Faces of drawn bodies: what they are and which triangles they have.
 struct DrawnFaces {
   std::vector<FaceRegion> regions;
   std::vector<std::vector<int>> region_of_triangle;  ///< by body; -1: none

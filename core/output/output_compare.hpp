@@ -12,9 +12,9 @@ struct Comparison {
   std::vector<std::string> warnings;  ///< pictures that could not be drawn
 };
 
-/// Figures that both results have, with differences, and, if `out` is not empty, the same as compare.csv and the
-/// pressure along the paths of the pairs that both have as compare_PAIR.svg there. Throws InputError if a directory
-/// holds no result, or if the two have neither a contact pair nor a body in common.
+/// Compares the figures that both results have, and, if `out` is not empty, writes them there as compare.csv and the
+/// pressure along common paths as compare_PAIR.svg. Throws InputError if a directory holds no result, or if the two
+/// have neither a contact pair nor a body in common.
 Comparison compare_results(const std::string& first, const std::string& second, const std::string& out);
 
 }  // namespace cgcontact

@@ -65,7 +65,7 @@ std::string plain(const std::string& text) {
   return result;
 }
 
-/// A node and its values: 12 columns each, so that an exponent has two digits.
+/// Node and its values: 12 columns each, so that an exponent has two digits.
 template <class Values>
 void add_node(TextFile& file, std::size_t node, const Values& values) {
   file.add(" -1{:10d}", node);

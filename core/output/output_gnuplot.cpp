@@ -46,7 +46,7 @@ bool is_drawable(char32_t letter) {
                      [&](const auto& range) { return letter >= range[0] && letter <= range[1]; });
 }
 
-/// The letters of a text; control characters are spaces, and what is no UTF-8 are question marks.
+/// Letters of a text; control characters are spaces, and what is no UTF-8 are question marks.
 std::u32string letters_of(const std::string& text) {
   std::u32string letters;
   for (const char c : printable(text, text.size())) {

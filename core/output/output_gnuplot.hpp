@@ -9,8 +9,8 @@
 
 namespace cgcontact {
 
-/// The pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside
-/// the program. Scripts and data lie in the folder `plots` of the directory.
+/// Pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside the
+/// program. Scripts and data lie in the folder `plots` of the directory.
 class GnuplotRuns {
  public:
   explicit GnuplotRuns(const std::string& directory);
@@ -61,8 +61,8 @@ constexpr double png_pixels(double points) { return points * 4 / 3; }
 /// Estimates the width in pixels of a text in a font of that height.
 double gnuplot_width(const std::string& text, double pixels);
 
-/// A heading for "set title" in lines that fit `width` pixels in a font of that height; longer than four lines it ends
-/// in dots.
+/// Heading for "set title" in lines that fit `width` pixels in a font of that height; longer than four lines it ends in
+/// dots.
 struct GnuplotTitle {
   std::string text;  ///< in quotes
   int lines = 1;

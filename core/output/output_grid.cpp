@@ -47,7 +47,7 @@ std::vector<Vec3> positions_of(const std::vector<DrawnBody>& bodies) {
   return positions;
 }
 
-/// The camera around the corners of a box.
+/// Camera around the corners of a box.
 void fit_zone(const SceneBox& box, Panel& view) {
   std::vector<Vec3> corners;
   const Vec3 middle = (box.low + box.high) / 2, half = box.extent() / 2;

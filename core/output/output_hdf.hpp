@@ -1,4 +1,4 @@
-/// A small HDF5 writer for VTKHDF files. A file is built in memory and written in one go, so that a full disk is one
+/// Small HDF5 writer for VTKHDF files. A file is built in memory and written in one go, so that a full disk is one
 /// plain write error, or, if it can be larger than the memory, on the disk, array by array.
 #pragma once
 

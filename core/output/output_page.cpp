@@ -67,7 +67,7 @@ std::string pretty(const std::string& unit) {
   return text;
 }
 
-/// A figure with its value in SI as data.
+/// Figure with its value in SI as data.
 std::string figure(double si, const std::string& shown) {
   return fmt::format("<data value=\"{}\">{}</data>", si, std::isfinite(si) ? shown : "not a number");
 }
@@ -153,13 +153,13 @@ std::string table(const std::vector<std::string>& head, const std::vector<std::s
   return text + "</tbody></table></div>\n";
 }
 
-/// A cell with a bar of this fraction of its width.
+/// Cell with a bar of this fraction of its width.
 std::string bar(double fraction, const std::string& style = "bar") {
   return fmt::format("<td class=\"{}\"><span style=\"width:{:.1f}%\"></span></td>", style,
                      std::isfinite(fraction) ? 100 * std::clamp(fraction, 0.0, 1.0) : 0.0);
 }
 
-/// The picture itself as data; empty if the file is missing.
+/// Picture itself as data; empty if the file is missing.
 std::string picture(const PageParts& parts, const std::string& file, const std::string& description,
                     const std::string& caption) {
   if (parts.beside.count(file)) return note("The view above shows this; " + file + " lies beside the page.");
@@ -516,7 +516,7 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
 
 constexpr double seconds_per_picture = 0.8;
 
-/// The pictures of the steps one after the other, without a script: they lie on the last one and are seen in turn.
+/// Pictures of the steps one after the other, without a script: they lie on the last one and are seen in turn.
 std::string film(const PageParts& parts) {
   if (!parts.steps.empty() && parts.beside.count(parts.steps.front()))
     return note("The view above shows the steps as a film; their pictures, " + parts.steps.front() + " to " +

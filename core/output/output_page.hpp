@@ -26,8 +26,8 @@ struct PageParts {
   std::set<std::string> beside;                               ///< pictures that the page leaves to the view
 };
 
-/// Names those with which the page would be too large to be mailed and of which the view shows the same: pictures of
-/// steps, then of faces with what holds there, then maps of the pressure from the last one on; the first stays.
+/// Names those that would make the page too large to be mailed and that the view shows too: pictures of steps, then of
+/// faces with what holds there, then maps of the pressure from the last one on; the first stays.
 std::set<std::string> pictures_for_view(const PageParts& parts);
 
 /// Returns a whole page in HTML 5, well-formed XML too, without references to anything outside. The only scripts are

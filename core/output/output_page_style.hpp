@@ -1,4 +1,4 @@
-/// The style sheet of report.html: screens from 320 pixels on, and paper.
+/// Style sheet of report.html: screens from 320 pixels on, and paper.
 #pragma once
 
 #include <string>

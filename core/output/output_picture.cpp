@@ -18,8 +18,8 @@ namespace cgcontact {
 namespace {
 
 constexpr int long_side = 1000;
-/// Pixels: the last body is drawn so much nearer to the viewer than the first one. Sections of bodies whose exaggerated
-/// displacements overlap lie in one plane; without that rounding would decide pixel by pixel which one is seen.
+/// Pixels: by which the last body is drawn nearer to the viewer than the first one. Otherwise rounding would decide
+/// which of overlapping sections in one plane is seen.
 constexpr double nearer = 2;
 /// Largest drawn displacement over the diagonal of the scene.
 constexpr double drawn_displacement = 0.03;
@@ -127,7 +127,7 @@ std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, 
 /// Pixels from the left and the bottom of the picture.
 using Pixel = std::array<double, 2>;
 
-/// A script of gnuplot in pixels of the whole picture.
+/// Script of gnuplot in pixels of the whole picture.
 class Overlay {
  public:
   Overlay(int width, int height) : width_(width), height_(height) {}
@@ -180,7 +180,7 @@ const Extreme& largest_stress(const Results& results, std::size_t body) {
   return results.extremes[body].body.von_mises;
 }
 
-/// The body with the largest von Mises stress; nothing if there is none.
+/// Body with the largest von Mises stress; nothing if there is none.
 std::optional<std::size_t> most_stressed(const Results& results) {
   std::optional<std::size_t> most;
   for (std::size_t b = 0; b < results.extremes.size(); ++b)

@@ -53,7 +53,7 @@ double smallest_cell(const Results& results, int body) {
   return cells.grid.cell_size_of(cells.num_levels() - 1);
 }
 
-/// The face of the pair's body with the smaller cells; empty if no triangle is there.
+/// Face of the pair's body with the smaller cells; empty if no triangle is there.
 Face face_of_pair(const Results& results, const ContactSurface& surface, std::size_t pair) {
   Face face{pair, -1, {}, {}};
   const auto cell_size = [&](int body) { return smallest_cell(results, body); };
@@ -125,7 +125,7 @@ DisplayUnit unit_of(const Paper& paper) {
   return length_unit(largest * (1 + 1e-9));
 }
 
-/// The range of the colours of a face in contact, from zero, Pa.
+/// Range of the colours of a face in contact, from zero, Pa.
 double highest(const PairFigures& pair) {
   return std::isfinite(pair.max_pressure) && pair.max_pressure > 0 ? pair.max_pressure : 1;
 }

@@ -19,7 +19,7 @@ constexpr int side = 860;                           ///< of the picture of the s
 constexpr int left = 30, bottom = 20, right = 190;  ///< around it
 constexpr double bar_width = 24;
 
-/// The section with the values at its points.
+/// Section with the values at its points.
 struct Section {
   std::vector<DrawnBody> bodies;
   std::vector<std::vector<double>> values;
@@ -72,7 +72,7 @@ RenderedImage draw(const Section& section, const Panel& panel) {
   });
 }
 
-/// The colour bar from the smallest to the largest value of the section.
+/// Colour bar from the smallest to the largest value of the section.
 std::string colour_bar(const SectionSpec& spec, const Section& section, int width, int height) {
   const double most = std::max(std::abs(section.low), std::abs(section.high));
   const DisplayUnit unit = is_length(spec.field) ? length_unit(most) : stress_unit(most);

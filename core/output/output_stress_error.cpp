@@ -140,7 +140,7 @@ std::string curve_script(const Results& results, const std::vector<std::vector<S
   return script + "unset multiplot\n";
 }
 
-/// The samples of one body on a raster: the nearest sample gives the value, blank where none is near.
+/// Samples of one body on a raster: the nearest sample gives the value, blank where none is near.
 struct Raster {
   int width = 0, height = 0;
   double step[2], low[2];

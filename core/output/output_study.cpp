@@ -154,7 +154,7 @@ std::string json_of(const Study& study) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// A study.json of ours, or null.
+/// Study.json of ours, or null.
 Json earlier_study(const std::string& directory) {
   const fs::path file = fs::path(directory) / "study.json";
   std::error_code ignored;

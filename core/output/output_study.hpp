@@ -9,8 +9,8 @@
 
 namespace cgcontact {
 
-/// Writes study.csv, study.json and the plots (output_study_plots.hpp) of all runs that have ended. Each file is the
-/// old one or the new one, never half of it; an old plot that cannot be drawn any more goes. Returns warnings.
+/// Writes study.csv, study.json and the plots (output_study_plots.hpp) of all runs that have ended. Each file is
+/// replaced at once; an old plot that cannot be drawn any more goes. Returns warnings.
 std::vector<std::string> write_study(const Study& study, const std::string& directory);
 
 /// Throws InputError unless `directory` is missing, empty, or that of an earlier study.

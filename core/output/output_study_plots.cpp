@@ -220,7 +220,7 @@ const Quantity quantities[num_quantities] = {{"force", &RunFigures::Pair::force,
                                              {"largest pressure", &RunFigures::Pair::max_pressure, stress_unit},
                                              {"contact area", &RunFigures::Pair::area, area_unit}};
 
-/// The pair of one variant, from left to right.
+/// Pair of one variant, from left to right.
 struct FigureCurve {
   std::string name;
   std::vector<std::pair<double, RunFigures::Pair>> points;

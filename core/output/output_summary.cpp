@@ -274,7 +274,7 @@ std::string error_text(const Results& results) {
   return text;
 }
 
-/// The pressure's errors against the scene's reference.
+/// Pressure's errors against the scene's reference.
 std::string reference_text(const Results& results) {
   std::string text = name_of_pressure(results);
   for (std::size_t k = 0; k < results.pressure_errors.size(); ++k)

@@ -29,7 +29,7 @@ std::string in_unit(double value, const DisplayUnit& unit);
 /// Returns the range of cell sizes: "2 mm", "0.25 mm to 2 mm".
 std::string sizes_of(const CutCells& cells);
 
-/// The plane of a panel: a picture and where it lies.
+/// Plane of a panel: a picture and where it lies.
 struct Panel {
   Camera camera;
   std::array<int, 2> size;
@@ -43,7 +43,7 @@ struct Panel {
 /// Looks from above in front, or from below behind.
 void look_from(bool behind, Camera& camera);
 
-/// A script of gnuplot in pixels of the whole picture: panels are plotted, labels and arrows lie above them.
+/// Script of gnuplot in pixels of the whole picture: panels are plotted, labels and arrows lie above them.
 struct Sheet {
   std::string settings, panels;
 

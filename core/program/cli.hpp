@@ -1,4 +1,4 @@
-/// The command line of the program.
+/// Command line of the program.
 #pragma once
 
 #include <optional>

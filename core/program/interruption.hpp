@@ -9,8 +9,8 @@
 
 namespace cgcontact {
 
-/// As long as it lives, those of the signals that are not ignored run all clean-ups (the latest first) on a thread of
-/// its own, while the other threads go on, and end the program. A second signal ends it at once. There can be one.
+/// While it lives, signals that are not ignored run all clean-ups (the latest first) on its own thread, while the
+/// others go on, and end the program. A second signal ends it at once. There can be one.
 class InterruptionWatch {
  public:
   InterruptionWatch();

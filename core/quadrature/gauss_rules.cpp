@@ -48,7 +48,7 @@ GaussRule make_gauss_rule(int n) {
   return rule;
 }
 
-/// The three points with barycentric coordinates (p, p, 1 - 2 p) in every order.
+/// Three points with barycentric coordinates (p, p, 1 - 2 p) in every order.
 void add_orbit(TriangleRule& rule, double p, double weight) {
   const double q = 1 - 2 * p;
   for (const auto& point : {std::array<double, 2>{p, p}, {p, q}, {q, p}}) {

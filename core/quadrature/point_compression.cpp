@@ -13,13 +13,13 @@ namespace {
 constexpr double rank_tolerance = 1e-8;
 constexpr double accuracy = 1e-12;
 constexpr double dependent = 1e-11;  // of a function's norm: what is left of it beside the others is rounding
-/// Points of symmetric rules tie, and rounding (of units, of a turn) shall not choose among them: the first one counts
-/// among pivots and among steps this near to each other. Rounding of functions that nearly depend on others is large.
+/// Relative difference within which pivots and steps tie: the first one counts, so that rounding (of units, of a turn)
+/// does not choose among points of symmetric rules. Rounding of functions that nearly depend on others is large.
 constexpr double same_pivot = 1 + 1e-3, same_step = 1 + 1e-6;
 constexpr double no_weight = 1e-13;  // of all: where steps tie several weights go at once, up to rounding
 using Vector = std::vector<double>;
 
-/// The tableau of all points in terms of a basis of points (as many as independent functions): row i, column p is the
+/// Tableau of all points in terms of a basis of points (as many as independent functions): row i, column p is the
 /// weight that point p brings to the i-th basis point when the basis represents it.
 class Elimination {
  public:

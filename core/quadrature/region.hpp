@@ -31,7 +31,7 @@ struct Conic {
   int sign_on_square(double w) const;
 };
 
-/// A quadric as a graph u[2] = height(u[0], u[1]); the derivative along u[2] has the given sign.
+/// Quadric as a graph u[2] = height(u[0], u[1]); the derivative along u[2] has the given sign.
 struct Graph {
   Quadric quadric;
   double sign = 1;

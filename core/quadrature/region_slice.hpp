@@ -1,4 +1,4 @@
-/// The segments of a region on a line t = const.
+/// Segments of a region on a line t = const.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace cgcontact {
 
-/// A maximal segment with one value and one set of divider bits. Ids of the ends: 2 f + r for the r-th root of
-/// function f, negative for the ends of the square's edge.
+/// Maximal segment with one value and one set of divider bits. Ids of the ends: 2 f + r for the r-th root of function
+/// f, negative for the ends of the square's edge.
 struct Segment {
   double begin, end;
   int begin_id, end_id;

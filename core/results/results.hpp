@@ -149,9 +149,9 @@ struct PairFigures {
   double interference = 0;             ///< m, as the scene gives it, or as found for the preload
   std::optional<double> preload;       ///< N
   double pressure_error_estimate = 0;  ///< of the recovered pressure, relative L2 over both faces
-  /// Relative, what the pressure may be off with the force, which a problem on the face takes as it is. It counts
-  /// beside the estimate, which is that at the force of the run; with [accuracy] it is in there. 0 where the stress
-  /// gives the pressure, whose estimate has it.
+  /// Relative error of the pressure by that of the force, which a problem on the face takes as it is: beside the
+  /// estimate, at the force of the run; with [accuracy] in it. 0 where the stress gives the pressure, whose estimate
+  /// has it.
   double force_part_of_pressure = 0;
   bool pressure_on_face = false;  ///< that is from problems on the faces wherever the faces touch
   /// Zones without a problem on the face, whose pressure is that of the stress: the zone reaches the end of a face, or

@@ -98,7 +98,7 @@ std::string vector(const Vec3& v, double size) {
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", clean[0], clean[1], clean[2]);
 }
 
-/// The faces of a solid, largest first.
+/// Faces of a solid, largest first.
 std::string face_lines(const CadModel& model, double scale) {
   std::vector<int> order(model.faces().size());
   for (std::size_t f = 0; f < order.size(); ++f) order[f] = static_cast<int>(f);
@@ -184,7 +184,7 @@ void CadTemplate::add_contacts() {
     }
 }
 
-/// A face that touches nothing: of the largest solid the flat one that looks down most, of the larger ones; if there is
+/// Face that touches nothing: of the largest solid the flat one that looks down most, of the larger ones; if there is
 /// none, such a one of any solid; then the largest flat one, then the largest.
 CadTemplate::Held CadTemplate::find_held(std::size_t largest) const {
   Held held{largest, -1};

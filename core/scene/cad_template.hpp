@@ -1,4 +1,4 @@
-/// A scene of all solids of a CAD file, for `cgcontact init`.
+/// Scene of all solids of a CAD file, for `cgcontact init`.
 #pragma once
 
 #include <optional>

@@ -154,7 +154,7 @@ void check_text(const std::string& text, const SourcePlace& place) {
   }
 }
 
-/// A text without units: the numbers that have one are constants of their own.
+/// Text without units: the numbers that have one are constants of their own.
 struct TextWithoutUnits {
   std::string text;
   Constants constants;

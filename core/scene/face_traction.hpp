@@ -1,4 +1,4 @@
-/// A traction on a face with a given force and moment: constant, and growing in proportion to the distance from the
+/// Traction on a face with a given force and moment: constant, and growing in proportion to the distance from the
 /// centroid; or the pressure of a bearing.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace cgcontact {
 
-/// A line: the axis of a cylinder.
+/// Line: the axis of a cylinder.
 struct Axis {
   Vec3 point = Vec3::Zero();       ///< m
   Vec3 direction = Vec3::UnitZ();  ///< unit

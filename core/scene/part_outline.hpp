@@ -29,7 +29,7 @@ struct PartEnd {
   bool faces_outwards = false;
 };
 
-/// A plane figure.
+/// Plane figure.
 struct PartCut {
   double area = 0, rim = 0;  ///< m^2; m, the length of its boundary
   /// Returns m; of a strip half its width, of a disc a quarter of its diameter.

@@ -1,5 +1,4 @@
-/// The section [reference] of the scene file. What it says may depend on the contact force, which is known after the
-/// solve.
+/// Section [reference] of the scene file. What it says may depend on the contact force, which is known after the solve.
 #include <algorithm>
 #include <cctype>
 #include <cstring>

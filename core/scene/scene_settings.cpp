@@ -35,7 +35,7 @@ void read_setting(const TomlCursor& node, const Setting& setting) {
   std::visit(Reader{node, setting}, setting.value);
 }
 
-/// The settings of a section, or of a table in it (`prefix`: "table."); others in tables of it, and the given keys, are
+/// Settings of a section, or of a table in it (`prefix`: "table."); others in tables of it, and the given keys, are
 /// left to the caller.
 void read_settings(const TomlCursor& section, const std::vector<Setting>& settings, const std::string& prefix = "",
                    std::vector<std::string> keys = {}) {

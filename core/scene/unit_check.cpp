@@ -15,7 +15,7 @@ std::string allowed_units(const Unit& unit, const std::string& allowed) {
   return allowed + (units.empty() ? "; no unit" : "; units: " + units);
 }
 
-/// A number at k, without a sign: where it ends; k if there is none.
+/// Number at k, without a sign: where it ends; k if there is none.
 std::size_t end_of_number(const std::string& text, std::size_t k) {
   if (k >= text.size() || !(std::isdigit(static_cast<unsigned char>(text[k])) || text[k] == '.')) return k;
   double value = 0;

@@ -59,7 +59,7 @@ struct AccuracyOptions {
   double safety = 1.2;
   /// Cells across a zone at which that estimate is half of what it should be.
   double doubtful_width = 5;
-  /// The size changes at least and at most by these factors from one solve to the next.
+  /// Size changes at least and at most by these factors from one solve to the next.
   double least_change = 1.4, most_change = 8;
   /// Fraction of the target of the pressure that the force's error may take.
   double force_part = 0.7;

@@ -50,8 +50,8 @@ struct SolverOptions {
   /// Fraction of the contact forces that springs which follow a motion may still take in the end.
   double largest_spring_part = 1e-6;
   /// Stiffness of what holds bodies while contact does not, of a support's on the smallest cells of the contact and the
-  /// softest body that contact joins them to: less than what contact and the bodies below it resist, so that its rest
-  /// position follows within the outer iteration.
+  /// softest body that contact joins them to: below that of contact and the bodies, so that its rest position follows
+  /// within the outer iteration.
   double soft_hold = 1e-5;
   /// Fractions of the approach that the deformation of the cells may stand for: groups join a zone smaller than the
   /// cells below the first, leave it above the second. Zones above are wider than a cell: their mean gaps give the

@@ -300,7 +300,7 @@ void cancel(TriangleSoup& soup) {
 
 using EdgePair = std::pair<EdgeUse, EdgeUse>;
 
-/// The neighbours at an edge: triangles with body between them.
+/// Neighbours at an edge: triangles with body between them.
 std::vector<EdgePair> pairs_at_edge(const TriangleSoup& soup, const std::vector<EdgeUse>& uses) {
   if (uses.size() == 2) return {{uses[0], uses[1]}};
   const auto point = [&](const EdgeUse& use, int next) -> const Vec3& {

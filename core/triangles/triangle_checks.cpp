@@ -80,7 +80,7 @@ int merge_near_points(TriangleSoup& soup) {
   return soup.merge(std::move(rim), merge_distance * soup.diagonal());
 }
 
-/// The longest edge of a triangle without area; -1 if it has one.
+/// Longest edge of a triangle without area; -1 if it has one.
 int edge_of_needle(const TriangleSoup& soup, const Triangle& c) {
   double longest = 0;
   int edge = 0;

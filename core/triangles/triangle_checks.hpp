@@ -1,4 +1,4 @@
-/// Is a surface of triangles the boundary of a body? Small defects that have one obvious repair are repaired and
+/// Checks that a surface of triangles is the boundary of a body. Small defects with one obvious repair are repaired and
 /// counted, everything else is an error that says what and where.
 #pragma once
 

@@ -75,8 +75,8 @@ class CrossingFinder {
     return any_edge_passes(s, b) || any_edge_passes(t, a);
   }
 
-  /// Does the segment from p to q pass from one side of the triangle to the other? Through a point on its edges it does
-  /// if it passes through all triangles there in the same sense.
+  /// Returns whether the segment from p to q passes from one side of the triangle to the other: through a point on its
+  /// edges if it passes through all triangles there in the same sense.
   bool passes(int p, int q, int t) const {
     const int sense = side_of(t, p);
     if (sense == 0 || side_of(t, q) != -sense) return false;

@@ -1,4 +1,4 @@
-/// The edges of a list of triangles, and ways across them.
+/// Edges of a list of triangles, and ways across them.
 #pragma once
 
 #include <algorithm>

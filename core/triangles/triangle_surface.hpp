@@ -38,7 +38,7 @@ class TriangleSurface {
   /// Returns the image under x[axis] -> factor * x[axis] + shift.
   TriangleSurface stretched(int axis, double factor, double shift) const;
 
-  /// The point of the surface nearest to a point.
+  /// Point of the surface nearest to a point.
   struct Foot {
     int triangle = -1;  ///< -1: nothing within the limit
     Vec3 point;
