@@ -1,5 +1,5 @@
-/// The constraints of nodes: where cells of different size meet, and across a body in plane strain. With cells that
-/// differ by one level at most, corners included (CellTree), no master is constrained itself.
+/// Constraints of nodes: where cells of different size meet, and across a body in plane strain. With cells that differ
+/// by one level at most, corners included (CellTree), no master is constrained itself.
 #pragma once
 
 #include <vector>

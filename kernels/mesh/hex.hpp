@@ -107,8 +107,8 @@ struct HexElement {
   }
 };
 
-/// The nodes of two cells that share a face: layers along its normal, each a face's lattice; node = layer *
-/// nodes_per_face + tangential node. Layer `degree` lies on the face.
+/// Nodes of two cells that share a face: layers along its normal, each a face's lattice; node = layer * nodes_per_face
+/// + tangential node. Layer `degree` lies on the face.
 template <int degree>
 struct GhostFace {
   static constexpr int num_layers = 2 * degree + 1;

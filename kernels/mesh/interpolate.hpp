@@ -1,4 +1,4 @@
-/// A nodal field in one cell: its values at the corners, at a point, its gradient, its stress, and the row of a
+/// Nodal field in one cell: its values at the corners, at a point, its gradient, its stress, and the row of a
 /// displacement at a point. Trilinear element; xi: cell coordinates, gradients per cell unit.
 #pragma once
 
@@ -35,7 +35,7 @@ KOKKOS_INLINE_FUNCTION void interpolate_gradient(const double u[8][3], const dou
       for (int j = 0; j < 3; ++j) g[i][j] += u[a][i] * dN[a][j];
 }
 
-/// A cell of a body of revolution; none elsewhere.
+/// Cell of a body of revolution; none elsewhere.
 struct Ring {
   int across = -1, radial = -1;  ///< axes of the grid
   double diameter = 0;           ///< BodyMesh::diameter_of

@@ -127,9 +127,9 @@ struct Multigrid::Impl {
     coarsest_x = rcp(new TpetraVector(coarsest_map, 1));
   }
 
-  /// Bounds the work: each grid that is worked on may be visited `coarse_steps` times as often as the next finer one.
-  /// One that mostly repeats that one's cells, and would cost more than the finest that way, is passed by. Systems that
-  /// could be factorised as they are have no cost to speak of.
+  /// Bounds the work: each grid that is worked on may be visited `coarse_steps` times as often as the next finer one. A
+  /// grid that mostly repeats those cells and would then cost more than the finest is passed by. Systems small enough
+  /// to be factorised cost nothing.
   void choose_grids() {
     const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
     double visits = steps;
@@ -140,7 +140,7 @@ struct Multigrid::Impl {
     }
   }
 
-  /// The systems of all grids, and the transfers between them.
+  /// Systems of all grids, and the transfers between them.
   void build_grids() {
     levels.push_back(std::make_unique<Level>());
     levels[0]->whole = levels[0]->system = &fine;

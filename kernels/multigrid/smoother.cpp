@@ -24,7 +24,7 @@ constexpr double sums_of_a_block = 16;
 constexpr int longest_run = 512;   // nodes
 constexpr int items_at_once = 16;  // runs or columns
 
-/// The step at the nodes of one column.
+/// Step at the nodes of one column.
 template <int size, class Real, class Vector>
 KOKKOS_INLINE_FUNCTION void step_column(const NodeColumns<Real>& columns, int c, const Vector& r, Real alpha, Real beta,
                                         const Vector& d, const Vector& x, bool overwrite) {

@@ -10,8 +10,8 @@
 namespace cgcontact {
 namespace {
 
-/// Nodes that the stencil serves: eight active cells. At least one of them is full: the share of the full cell that a
-/// cut cell takes back is then never much larger than what remains. Of several ranks: those where forces are needed.
+/// Returns the nodes that the stencil serves: eight active cells, at least one full, so that what cut cells take back
+/// is never much larger than what remains. On several ranks: those where forces are needed.
 std::vector<char> classify(const ElasticSystem& system) {
   std::vector<char> by_stencil(system.num_nodes, 0);
   for (const BodyMesh* part : system.parts()) {

@@ -77,7 +77,7 @@ inline void face_forces(Real factor, const V jump[2], V p[2]) {
   }
 }
 
-/// A chain of one face in direction x: the three nodes of each row follow each other. row: the first DoF of four rows.
+/// Chain of one face in direction x: the three nodes of each row follow each other. row: the first DoF of four rows.
 template <class Real>
 inline void apply_face_along_x(Real factor, const Real* x, Real* y, const std::size_t row[4]) {
   using V = Eight<Real>;
@@ -100,7 +100,7 @@ inline void apply_face_along_x(Real factor, const Real* x, Real* y, const std::s
   }
 }
 
-/// A chain of one face: half of all chains and more. `at` as in apply_chain.
+/// Chain of one face: half of all chains and more. `at` as in apply_chain.
 template <class Half, class Real, class At>
 inline void apply_face(Real factor, const Real* x, Real* y, const At& at) {
   using V = Eight<Real>;

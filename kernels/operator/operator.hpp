@@ -1,4 +1,4 @@
-/// The elastic system behind Tpetra::Operator: Y = alpha A X + beta Y, matrix-free.
+/// Elastic system behind Tpetra::Operator: Y = alpha A X + beta Y, matrix-free.
 #pragma once
 
 #include <Tpetra_Map.hpp>

@@ -56,7 +56,7 @@ Blocks make_blocks(const BodyMesh& part) {
   return blocks;
 }
 
-/// A block on the curve.
+/// Block on the curve.
 struct Item {
   std::uint64_t key;
   int part, block;

@@ -20,7 +20,7 @@ namespace cgcontact {
 /// two is zero at ghosts.
 double ordered_product(const TpetraVector& x, const TpetraVector& y);
 
-/// The iteration on the current right-hand side of a linear problem, from its initial residual.
+/// Iteration on the current right-hand side of a linear problem, from its initial residual.
 class FlexibleCgIter : public Belos::Iteration<double, TpetraVector, TpetraOperator> {
  public:
   using Problem = Belos::LinearProblem<double, TpetraVector, TpetraOperator>;

@@ -26,9 +26,9 @@ using Teuchos::rcp;
 
 namespace {
 
-/// Iterations of one solve; more, and the rigid motions of bodies that contact alone holds are solved for beside the
-/// preconditioner. With contact that coarse grids see well enough, as of one body, fewer are needed without. Twice as
-/// many are not waited for: without the motions a solve may not end at all.
+/// Iterations of one solve above which the rigid motions of bodies that contact alone holds are solved for beside the
+/// preconditioner. With contact that coarse grids see well, as of one body, fewer are needed without. A solve is
+/// stopped at twice as many: without the motions it may not end.
 constexpr int many_iterations = 30;
 
 /// Adds the cycles on the levels of another hierarchy of the same grids.

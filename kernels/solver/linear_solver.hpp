@@ -41,7 +41,7 @@ class LinearSolver {
   bool fall_back();
   /// Iterations of a solve after which another update finds a better preconditioner.
   int patience() const;
-  /// Does the next update read the supports of the system? Between two that do not, they may be left out.
+  /// Returns whether the next update reads the supports of the system. Between two that do not, they may be left out.
   bool needs_supports() const;
   /// Figures of all solves so far.
   PreconditionerReport report() const;

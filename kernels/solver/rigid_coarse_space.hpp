@@ -32,7 +32,7 @@ class RigidCoarseSpace {
   void correct(const Forces& r, const RealView& z) const;
 
  private:
-  /// The free motions of one body: columns (translation, rotation about the centre times its size), grid axes.
+  /// Free motions of one body: columns (translation, rotation about the centre times its size), grid axes.
   struct Body {
     int mesh = 0;
     Vec3 centre = Vec3::Zero();  ///< cells
