@@ -30,8 +30,7 @@ KOKKOS_FORCEINLINE_FUNCTION void cholesky_block(const Real* A, const Real* L, in
 }
 
 /// Factorises A - shift I = L L^T, n rows (a multiple of row_block); the diagonal of L holds reciprocals. n^3 / 3 flop.
-/// True for the lanes whose matrix is positive definite; the factors of the others are of no use, and unfinished where
-/// no lane's is.
+/// True for the lanes whose matrix is positive definite; the other factors are unusable.
 template <class Real>
 KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& shift, int n, Real* L) {
   MaskOf<Real> positive = shift == shift;
@@ -114,7 +113,7 @@ KOKKOS_INLINE_FUNCTION void make_reflector(Real* A, int n, int k, Real* v, Real&
 }
 
 /// Updates A <- A - v w^T - w v^T in some rows from i on, columns from `first` on, and what they add to product = A
-/// next: several rows at a time, because the loads of the vectors would take longer than the arithmetic.
+/// next: several rows at a time, since loading the vectors would outlast the arithmetic.
 template <int rows, class Real>
 KOKKOS_INLINE_FUNCTION void update_rows(Real* A, int i, int first, const Real* v, const Real* w, const Real* next,
                                         Real* product) {

@@ -1,5 +1,5 @@
-/// The kernels of fit_batch for any Kokkos execution space; `Real`: double, or eight lanes on the host. The patches,
-/// their rows and the statuses lie in memory that the space can reach.
+/// Kernels of fit_batch for any Kokkos execution space; `Real`: double, or eight lanes on the host. The patches, their
+/// rows and the statuses lie in memory that the space can reach.
 #pragma once
 
 #include "recovery/batched/batched_fit_kernel.hpp"

@@ -42,9 +42,9 @@ std::array<Eigen::Vector2d, count> points_on_circle(double radius) {
   return points;
 }
 
-/// Width (grid coordinates) of what rounding leaves of a face that another one touches tangentially, such as the bottom
-/// of the box that cuts a quarter out of a ball: where a circle of the body's size D is within its rounding of its
-/// tangent, sqrt(8 D (10 eps D)). Such a strip is no face.
+/// Returns the width (grid coordinates) that rounding leaves of a face which another one touches tangentially (the
+/// bottom of the box that cuts a quarter out of a ball): where a circle of the body's size D is within its rounding of
+/// its tangent, sqrt(8 D (10 eps D)). Such a strip is no face.
 double width_of_rounding(const Solid& solid) {
   Vec3 min, max;
   if (!solid.bounding_box(min, max)) return 0;

@@ -28,7 +28,7 @@ View new_view(const char* label, std::size_t size) {
   return View(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), size);
 }
 
-/// The patches of one degree and number of bodies.
+/// Patches of one degree and number of bodies.
 template <int degree, int bodies>
 class PatchClass {
  public:

@@ -11,7 +11,7 @@ namespace {
 /// Fractions of the depth at which the cells below a point are asked for.
 constexpr double depths[] = {0.05, 0.35, 0.65, 0.95};
 
-/// The lists of some cells.
+/// Lists of some cells.
 struct PieceLists {
   std::vector<int> pieces_of_cell;
   std::vector<ContactPiece> pieces;

@@ -15,7 +15,7 @@ struct PatchContactPoint {
   Vec3 shear;             ///< direction of friction's shear on the body, unit, where the point slips; else zero
 };
 
-/// The contact points of one pair in one cell.
+/// Contact points of one pair in one cell.
 struct ContactPiece {
   int pair = -1, other_body = -1;
   double area = 0, closed_area = 0;       ///< m^2; of points that are pressed

@@ -50,9 +50,9 @@ struct ClassArrays {
   Array<double* [2]> variance;  ///< mean square of what these leave of sigma_h; 0: not known
 };
 
-/// Mass matrix (lower triangle by rows) of the cells that were summed, and the coefficients (component, term) of the
-/// polynomials nearest to their stress. variance: mean square of what those leave of it, not less than what rounding
-/// may leave. False if the cells do not carry the polynomial; then the coefficients are not set.
+/// Computes the mass matrix (lower triangle by rows) of the cells that were summed, and the coefficients (component,
+/// term) of the polynomials nearest to their stress. variance: mean square of what those leave of it, at least that of
+/// rounding. False, without coefficients, if the cells do not carry the polynomial.
 template <int degree>
 KOKKOS_INLINE_FUNCTION bool fit_polynomial(const CellSums& sums, double* mass, double* a, double& variance) {
   constexpr int T = Polynomial<degree>::num_terms;
@@ -153,9 +153,8 @@ void find_plain_variances(const Exec& exec, const IntegralArrays<Memory>& integr
       });
 }
 
-/// Weighs the misfit of the auxiliary body with the inverse variances, as in any least squares of data of unequal
-/// quality: a body whose stress the polynomials follow well is not spoilt by one whose stress they do not
-/// (docs/recovery.md).
+/// Weighs the misfit of the auxiliary body with the inverse variances: a body whose stress the polynomials follow well
+/// is not spoilt by the other one (docs/recovery.md).
 template <class Exec, class Memory, int degree>
 void weigh_auxiliary(const Exec& exec, double max_weight, const ClassArrays<Memory, degree, 2>& fits) {
   Kokkos::parallel_for(

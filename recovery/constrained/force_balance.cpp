@@ -17,7 +17,7 @@ namespace {
 constexpr double half_cell = 0.5;
 /// A smoothing pass (below) has this variance, cells squared.
 constexpr double pass_variance = 1. / 3;
-/// Passes up to this number, those of cells of an eighth of the other body's, are made one by one: what they take grows
+/// Number of passes (cells of an eighth of the other body's) up to which they are made one by one: their cost grows
 /// with the fourth power of that ratio. More are taken together, in steps whose forces are as good as those of a
 /// Gaussian.
 constexpr double most_passes = 192;

@@ -76,7 +76,7 @@ void find_pairs(const PatchContext& context, const ListPart<int>& cells, std::ve
   });
 }
 
-/// An edge (global axes, m) seen from a body; `unit`: m.
+/// Edge (global axes, m) seen from a body; `unit`: m.
 ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
                       double unit) {
   const BodyMesh& mesh = *body.mesh;

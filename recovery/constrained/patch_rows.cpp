@@ -53,7 +53,7 @@ void set_traction(FitRow<bodies>& row, int body, const Vec3& place, const Vec3& 
   for (int i = 0; i < 3; ++i) row.place[body][i] = place[i];
 }
 
-/// The rows of one patch.
+/// Rows of one patch.
 template <int bodies>
 class RowWriter {
  public:
@@ -248,7 +248,7 @@ void RowWriter<bodies>::add_contact(const ConstraintGroup& group, bool with_othe
   }
 }
 
-/// The auxiliary body at a contact point: zero shear, and the normal traction of both.
+/// Auxiliary body at a contact point: zero shear, and the normal traction of both.
 template <int bodies>
 void RowWriter<bodies>::add_other_side(const Vec3& x, const Vec3& n, bool free) {
   if constexpr (bodies == 2) {
@@ -265,9 +265,9 @@ void RowWriter<bodies>::add_other_side(const Vec3& x, const Vec3& n, bool free) 
   }
 }
 
-/// Closed contact with friction: the normal traction of both bodies is equal; where it sticks the shear is, too, and
-/// where it slips the shear of each body is mu times its own pressure, along what friction acts with. Without the other
-/// body nothing is known where it sticks.
+/// Closed contact with friction: the normal traction of both bodies is equal; where it sticks the shear too; where it
+/// slips the shear of each body is mu times its own pressure, along friction's force. Without the other body nothing is
+/// known where it sticks.
 template <int bodies>
 void RowWriter<bodies>::add_friction(const ConstraintGroup& group, bool with_other) {
   const double mu = body_.boundary->friction_of(group.pair);
@@ -414,7 +414,7 @@ void RowWriter<bodies>::add_group(const ConstraintGroup& group, const std::vecto
     // On the face of the edge the term has no shear and nothing outside of the zone.
     if (with_other || !on_term) subtract_term(first);
   } else if (is_open && !is_loaded) {
-    // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small fraction of the
+    // Rim of a contact face that reaches beyond the other body (rounding, an overhang of a small fraction of the
     // patch): the closed region decides, as among contact points.
     add_contact(group, false, mode);
     subtract_term(first);

@@ -1,5 +1,5 @@
-/// The constraint rows of patches (paper, equations 4, 5, 12, 13): tractions that are known, zero shear and equal
-/// pressure at contact, bonded faces. Host code: it asks faces, profiles and expressions.
+/// Constraint rows of patches (paper, equations 4, 5, 12, 13): tractions that are known, zero shear and equal pressure
+/// at contact, bonded faces. Host code: it asks faces, profiles and expressions.
 #pragma once
 
 #include "recovery/batched/batched_fit.hpp"

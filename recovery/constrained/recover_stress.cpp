@@ -74,7 +74,7 @@ void recover_patches_of(const PatchContext& context, const std::vector<int>& nod
   results.states.sort();
 }
 
-/// The values of all ranks, one rank after the other.
+/// Values of all ranks, one rank after the other.
 template <class T>
 std::vector<T> gather(const std::vector<T>& own) {
   Packing mine;
@@ -203,7 +203,7 @@ ConstrainedRecovery recover_patches(const HostExec& exec, const std::vector<Reco
   return recovery;
 }
 
-/// A body's field with its terms; refers to `recovery`.
+/// Body's field with its terms; refers to `recovery`.
 RecoveredField field_of(const RecoveryBody& body, const ConstrainedRecovery& recovery, std::size_t index) {
   RecoveredField field = body.field;
   if (!recovery.edges[index].terms.empty()) field.edge = {std::shared_ptr<void>(), &recovery.edges[index]};

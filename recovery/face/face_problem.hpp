@@ -1,4 +1,4 @@
-/// The pressure on the patches as a convex problem: of all pressures p >= 0 with the given force the one that minimises
+/// Pressure on the patches as a convex problem: of all pressures p >= 0 with the given force the one that minimises
 ///   1/2 p.S p + p.gap
 /// (Kalker's variational form of frictionless contact), by projected conjugate gradients (Polonsky and Keer 1999).
 #pragma once

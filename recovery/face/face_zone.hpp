@@ -1,5 +1,5 @@
-/// The contact pressure of one zone from the forces that its groups transmit: inside the cells the bodies are
-/// half-spaces, outside the finite element solution is right (docs/theory.md, "The pressure on the face").
+/// Contact pressure of one zone from the forces that its groups transmit: inside the cells the bodies are half-spaces,
+/// outside the finite element solution is right (docs/theory.md, "The pressure on the face").
 #pragma once
 
 #include "core/settings/face_options.hpp"

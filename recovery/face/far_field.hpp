@@ -9,7 +9,7 @@
 
 namespace cgcontact {
 
-/// The mean of the far field over some patches, m.
+/// Mean of the far field over some patches, m.
 struct FarMean {
   std::vector<std::pair<int, double>> patches;  ///< and what they count, 1 together
   double value = 0;

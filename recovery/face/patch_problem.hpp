@@ -1,5 +1,4 @@
-/// The problem of a zone on the host: patches, gaps and the force; coarser copies of it, from which its solution
-/// starts.
+/// Problem of a zone on the host: patches, gaps and the force; coarser copies of it, from which its solution starts.
 #pragma once
 
 #include "core/settings/face_options.hpp"
@@ -40,8 +39,7 @@ CoarsePatches coarse_patches(const FaceGrid& grid);
 PatchProblem coarsened(const PatchProblem& fine, const CoarsePatches& coarse);
 
 /// Solves for the pressure at the patches, Pa, from the solution on coarser patches, recursively. p: the start on
-/// entry, which may be zero. The coarse solutions need no more than to be a start: the finest one alone is the
-/// result's.
+/// entry, which may be zero. Coarse solutions are starts only.
 FaceSolution solve_nested(const ExecSpace& exec, const PatchProblem& problem, const FaceOptions& options,
                           std::vector<double>& p);
 

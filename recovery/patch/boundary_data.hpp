@@ -31,7 +31,7 @@ struct TractionCondition {
   }
 };
 
-/// A contact quadrature point seen from one body.
+/// Contact quadrature point seen from one body.
 struct ContactLink {
   int cell = -1;  ///< active cell of this body
   int pair = -1;
@@ -65,7 +65,7 @@ struct BoundaryData {
   CellLists links_of_cell;                           ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
 
-  /// Does the pair carry tension and shear? -1: no pair.
+  /// Returns whether the pair carries tension and shear; pair -1: none.
   bool is_bonded(int pair) const { return pair >= 0 && !bonded.empty() && bonded[pair]; }
   double friction_of(int pair) const { return pair >= 0 && !friction.empty() ? friction[pair] : 0; }
 };

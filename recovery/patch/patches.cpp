@@ -149,7 +149,7 @@ void factor_masses(const BodyMesh& mesh, PatchSet& set) {
   });
 }
 
-/// The patches of a range of nodes.
+/// Patches of a range of nodes.
 struct PatchRange {
   std::vector<int> size, cells;
 };

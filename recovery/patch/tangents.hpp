@@ -1,4 +1,4 @@
-/// A tangent frame of a surface.
+/// Tangent frame of a surface.
 #pragma once
 
 #include <utility>

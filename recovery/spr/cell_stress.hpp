@@ -18,7 +18,7 @@ using CellPolynomial = Eigen::Matrix<double, 6, Polynomial<2>::num_terms>;
 /// The same with two idle components: the components of a term are one vector of the processor.
 using PaddedPolynomial = Eigen::Matrix<double, 8, Polynomial<2>::num_terms>;
 
-/// The stress over each active cell of one body. May be called by several threads at once.
+/// Stress over each active cell of one body. May be called by several threads at once.
 using CellStress = std::function<CellPolynomial(int cell)>;
 
 /// Evaluates sigma_h; u: displacements of all bodies.

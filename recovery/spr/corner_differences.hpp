@@ -1,4 +1,4 @@
-/// The displacement gradient of a trilinear cell as a polynomial about its centre, cell units. With h from
+/// Displacement gradient of a trilinear cell as a polynomial about its centre, cell units. With h from
 /// corner_differences, du_i/dx_j = sum over the four terms of corner_scale(term) h[corner_difference(j, term)][i] times
 /// 1, the other two coordinates, and their product.
 #pragma once

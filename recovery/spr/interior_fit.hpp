@@ -1,6 +1,5 @@
 /// Polynomials of nodes inside of a body, whose patches are eight full cells of one size without contact: made from the
-/// displacements where they are asked for. They take a few hundred operations, and 200 bytes for each node of the
-/// volume if they were kept.
+/// displacements on demand, by a few hundred operations instead of 200 bytes for each node of the volume.
 #pragma once
 
 #include <functional>

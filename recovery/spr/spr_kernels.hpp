@@ -1,4 +1,4 @@
-/// The kernels of plain SPR for any Kokkos execution space: integrals over cells, fits of patches (paper, equation 1).
+/// Kernels of plain SPR for any Kokkos execution space: integrals over cells, fits of patches (paper, equation 1).
 #pragma once
 
 #include "recovery/patch/patch_arrays.hpp"
@@ -126,7 +126,7 @@ KOKKOS_INLINE_FUNCTION void put_in_equilibrium(const double divergence[3], doubl
   }
 }
 
-/// The integrals of the cells of a patch in the rows of a subset.
+/// Integrals of the cells of a patch in the rows of a subset.
 template <class Memory, class Stress>
 struct PatchIntegrals {
   const int* cells;

@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// The integrals of one body (StressIntegrals) as kernels see them, in some memory.
+/// Integrals of one body (StressIntegrals) as kernels see them, in some memory.
 template <class Memory>
 struct IntegralArrays {
   template <class T>
