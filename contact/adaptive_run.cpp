@@ -173,8 +173,8 @@ double AdaptiveRun::seconds_of_cells(double unknowns) const {
          unknowns;
 }
 
-/// s, of a solve on the next grid, whose cells are there already, from the phases of the last one: the system goes with
-/// the unknowns, recovery and estimates with the patches of the contact, which take by far most of their time.
+/// Estimates the time of a solve on the next grid, s, whose cells are there already, by the phases of the last one: the
+/// system goes with the unknowns, recovery and estimates, mostly of contact, with its patches.
 double AdaptiveRun::forecast() const {
   const SolveFigures& last = figures_.solves.back();
   const double unknowns = count_unknowns(next_->state.bodies) / static_cast<double>(last.unknowns);
@@ -232,8 +232,8 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   return !stands_still() || place_within(allowed, finer * factor, callbacks);
 }
 
-/// Makes the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`, and
-/// falls again from a first guess that leaves most of them. False: the cells would be hardly smaller than those before.
+/// Makes the next grid, its refined cells times a factor that grows until the unknowns are at most `allowed`, and falls
+/// from a first guess that leaves most of them. False: the cells would hardly be smaller than before.
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
   const double worth = std::pow(1 / least_gain, unknowns_power);  // times as many unknowns
   double too_fine = 0, enough = 0;                                // factors; 0: none is known
@@ -298,7 +298,7 @@ void AdaptiveRun::keep(const SolveFigures& solve, const ErrorFigures& errors) {
   number_ = figures_.solves.size();
 }
 
-/// The errors of the present solve over their targets, seen from the next one: a pressure that changes by more than its
+/// Errors of the present solve over their targets, seen from the next one: a pressure that changes by more than its
 /// estimate was off by about the change. Infinite: not known.
 double AdaptiveRun::factor_before(const SolveFigures& solve) const {
   const auto factor = missing_factor(given_.accuracy, figures_.solves[number_]);

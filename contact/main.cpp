@@ -1,6 +1,6 @@
-/// The program: reads the command line, begins, checks, runs or studies a scene, writes the results.
-/// Exit codes: 0 solved, 1 bad input, 2 did not converge (results still written and marked so), 128 + number of the
-/// signal (130, 143, 129) stopped by SIGINT, SIGTERM, SIGHUP.
+/// Program: reads the command line, begins, checks, runs or studies a scene, writes the results. Exit codes: 0 solved,
+/// 1 bad input, 2 did not converge (results written and marked), 128 + number of the signal (130, 143, 129) stopped by
+/// SIGINT, SIGTERM, SIGHUP.
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -98,7 +98,7 @@ int check(const Scene& given, const CommandLine& options) {
   return 0;
 }
 
-/// The summary or the report; where there is neither, the warnings that they hold.
+/// Summary or the report; where there is neither, the warnings that they hold.
 void tell(const Results& results, const std::string& directory, const CommandLine& options, Progress& progress) {
   if (options.json) {
     fmt::print("{}", read_text((std::filesystem::path(directory) / "report.json").string()));

@@ -58,7 +58,7 @@ struct NestedRun::Coarse {
 
 NestedRun::NestedRun(const Scene& scene) : scene_(scene), simulation_(std::make_unique<Simulation>(scene)) {}
 
-/// The solution on cells of twice the size; null: there is none that is worth to start from.
+/// Solution on cells of twice the size; null: there is none that is worth to start from.
 std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallbacks& progress) {
   int halvings = 0;
   for (double nodes = count_nodes(simulation_->state.bodies) / 8; nodes >= least_nodes; nodes /= 8) ++halvings;

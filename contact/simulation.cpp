@@ -48,8 +48,8 @@ constexpr double at_rest = 1e-6;
 /// Most repeated solves of a pair that has to see farther.
 constexpr int most_extensions = 5;
 
-/// The shortest side of the bounding box along the grid's axes, and twice the volume over the free area: in the
-/// body's smallest cells.
+/// Shortest side of the bounding box along the grid's axes, and twice the volume over the free area: in the body's
+/// smallest cells.
 std::pair<double, double> thickness_in_cells(const BodyModel& body) {
   Vec3 min, max;
   body.spec->solid.transformed(body.spec->grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max);

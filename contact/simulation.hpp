@@ -11,7 +11,7 @@
 namespace cgcontact {
 
 /// Called when a phase starts (seconds = 0) or ends, after every outer iteration, and after each step of [steps] but
-/// the last one, with its number from 0, its fields, contact rows and pairs; they are gone when the next step begins.
+/// the last one, with its number from 0, its fields, contact rows and pairs, valid until the next step begins.
 struct ProgressCallbacks {
   std::function<void(const std::string& phase)> phase = [](const std::string&) {};
   std::function<void(const OuterStep&)> step = [](const OuterStep&) {};

@@ -100,7 +100,7 @@ bool FaceChart::set_ends(const std::vector<SymmetryPlane>& planes) {
     if (ends_[axis] == FaceEnd::period) return false;
     if (round_ && axis == 1) {
       if (ends_[1] == FaceEnd::mirror) return false;
-      // The radial direction in the plane on the zone's side; the angle grows into the body.
+      // Radial direction in the plane on the zone's side; the angle grows into the body.
       const Vec3 zero = (axis_[1] - axis_[1].dot(plane.normal) * plane.normal).normalized();
       if (!zero.allFinite()) return false;
       axis_[1] = zero;

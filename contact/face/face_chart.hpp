@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// A point of the zone, m; outward unit normal; area, m^2.
+/// Point of the zone, m; outward unit normal; area, m^2.
 struct FacePoint {
   Vec3 x, normal;
   double weight;

@@ -25,7 +25,7 @@ struct ContactPoint {
   bool active = true;
 };
 
-/// The members of ContactPoint as views of (points) and (points, 3).
+/// Members of ContactPoint as views of (points) and (points, 3).
 template <class Memory>
 struct ContactPointArrays {
   using Numbers = Kokkos::View<int*, Memory>;
@@ -66,7 +66,7 @@ ContactPointArrays<Memory> copy_points(const HostContactPoints& host) {
   return points;
 }
 
-/// The points of one pair on the host. A copy has arrays of its own: what is closed in one is not closed in the other.
+/// Points of one pair on the host. A copy has arrays of its own: what is closed in one is not closed in the other.
 class ContactPoints {
  public:
   ContactPoints() = default;

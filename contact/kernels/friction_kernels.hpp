@@ -159,8 +159,8 @@ KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction,
   }
 }
 
-/// Makes the force of every row linear about the present slip; turns the rows of groups whose stiffness has other
-/// principal axes by then. change: of the rows of friction, m. Sets `mismatch`, `linear`, `frame`, `turned`.
+/// Makes the force of every row linear about the present slip; turns the rows of groups whose principal axes have
+/// changed. change: of the rows of friction, m. Sets `mismatch`, `linear`, `frame`, `turned`.
 template <class Exec, class Memory, class Change>
 void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& groups,
                         const FrictionArrays<Memory>& friction, const Change& change) {

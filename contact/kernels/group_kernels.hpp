@@ -133,9 +133,9 @@ void close_pressing(const Exec& exec, const ContactGroupArrays<Memory>& groups,
       });
 }
 
-/// Computes the force of each group, N, that all points press with at the gap start + t step, less that of those taken
-/// for closed; zero where the energy is linear in the active set as it is: bonded groups, and zones smaller than the
-/// cells. start and step: changes of the mean gap, m.
+/// Computes the force of all points of each group, N, at the gap start + t step, less that of those taken for closed;
+/// zero where the present active set is linear: bonded groups, and zones smaller than the cells. start and step:
+/// changes of the mean gap, m.
 template <class Exec, class Memory>
 void excess_forces(const Exec& exec, const ContactGroupArrays<Memory>& groups,
                    const Kokkos::View<double*, Memory>& start, const Kokkos::View<double*, Memory>& step, double t,

@@ -22,7 +22,7 @@ std::string face_name(const Scene& scene, const FaceRef& face) {
   return '"' + scene.bodies[face.body].name + "." + face.face.name + '"';
 }
 
-/// Is the direction of `b` held already, by the same value? Throws if it is held by another one.
+/// Returns whether the direction of `b` is held already, by the same value. Throws if it is held by another one.
 bool is_held(const Scene& scene, const std::vector<HeldBy>& held, const HeldBy& by, const Vec3& x) {
   const HeldDirection& b = by.held;
   for (const auto& [support, a] : held) {

@@ -1,4 +1,4 @@
-/// The linear system of a scene: all bodies' stiffness, their supports and the rows of their contact groups.
+/// Linear system of a scene: all bodies' stiffness, their supports and the rows of their contact groups.
 #pragma once
 
 #include "contact/model/contact_pairs.hpp"

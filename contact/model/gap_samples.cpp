@@ -22,7 +22,7 @@ constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
 constexpr double least_facing_cosine = 0.1;
 
-/// A square of the plane across the group's mean normal, with the samples in the middles of its quarters.
+/// Square of the plane across the group's mean normal, with the samples in the middles of its quarters.
 struct Leaf {
   double s = 0, t = 0, size = 0;  ///< centre and side, m
   struct Sample {
@@ -163,7 +163,7 @@ class GapSampler::Impl {
   std::vector<GapSample> samples(double limit);
 
  private:
-  /// A square of the grid of a level; the first has first_leaves of them along a side.
+  /// Square of the grid of a level; the first has first_leaves of them along a side.
   struct Place {
     int level, i, j;
     std::uint64_t key() const {

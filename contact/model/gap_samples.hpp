@@ -1,4 +1,4 @@
-/// The gap between two bodies point by point over one group of a contact pair, finer than its quadrature points: edges,
+/// Gap between two bodies point by point over one group of a contact pair, finer than its quadrature points: edges,
 /// corners and triangles of either body that lie between these are found.
 #pragma once
 
@@ -24,8 +24,7 @@ class GapSampler {
   ~GapSampler();
 
   /// Samples a square grid over the group, refined where distances below `limit` (m) may lie until they are known to a
-  /// fraction of the depth below `limit`. Empty, if no distance below `limit` is found. Not for several threads at
-  /// once.
+  /// fraction of the depth below `limit`. Empty, if no distance below `limit` is found. Not thread-safe.
   std::vector<GapSample> samples(double limit);
 
  private:

@@ -1,4 +1,4 @@
-/// Does a scene fit into memory? Estimated before anything large is made, and again when the cells are known.
+/// Forecast of a run's memory: before anything large is made, and again when the cells are known.
 #pragma once
 
 #include <optional>

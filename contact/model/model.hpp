@@ -1,5 +1,4 @@
-/// The scene on its grids: one BodyModel per body with cut cells, faces resolved to boundary points, supports and
-/// loads.
+/// Scene on its grids: one BodyModel per body with cut cells, faces resolved to boundary points, supports and loads.
 #pragma once
 
 #include <cmath>

@@ -10,7 +10,7 @@ constexpr double right_angle = 1e-9;
 /// Faces that see each other at a steeper angle are no opposites (find_opposite).
 constexpr double facing = 0.1;
 
-/// A plane of the grid of one body in the coordinates of another's.
+/// Plane of the grid of one body in the coordinates of another's.
 Plane moved(const Plane& plane, const Grid& from, const Grid& to) {
   const Vec3 normal = from.rotation * plane.normal;
   const double offset = plane.offset * from.cell_size + normal.dot(from.origin - to.origin);

@@ -12,7 +12,7 @@ constexpr double inward_step = 1e-12;
 /// surfaces are rounded).
 constexpr double end_tolerance = 1e-6;
 
-/// A line in the grid coordinates of a body.
+/// Line in the grid coordinates of a body.
 struct Line {
   Line(const BodyModel& body, const Vec3& x, const Vec3& n)
       : origin(body.cut_cells.grid.to_grid(x)), direction(body.cut_cells.grid.rotation.transpose() * n) {}
@@ -36,8 +36,8 @@ bool is_crossed(const BodyModel& body, const Vec3& x, const Vec3& n, double low,
   return any_within(crossings, first, last);
 }
 
-/// Does the other body lie between the point and its crossing at t (gap), or end between them (overlap)? Crossings of
-/// the other body up to the point itself count: faces of both bodies that lie in one plane do not touch.
+/// Returns whether the other body lies between the point and its crossing at t (gap), or ends between them (overlap).
+/// Its crossings up to the point itself count: faces of both bodies in one plane do not touch.
 bool is_hidden(const std::vector<Crossing>& crossings, double t) {
   if (std::abs(t) <= end_tolerance) return false;
   return t > 0 ? any_within(crossings, -end_tolerance, t - end_tolerance)

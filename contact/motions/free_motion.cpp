@@ -39,7 +39,7 @@ Eigen::MatrixXd rotations(const Eigen::MatrixXd& modes) {
   return rows;
 }
 
-/// The directions that the columns of a 3 x k matrix span: "along (..)", "in the plane normal to (..)", ...
+/// Directions that the columns of a 3 x k matrix span: "along (..)", "in the plane normal to (..)", ...
 std::string span_text(const Eigen::MatrixXd& columns, const char* one, const char* two, const char* three) {
   const SingularValues svd(columns, Eigen::ComputeFullU);
   Eigen::Index rank = 0;

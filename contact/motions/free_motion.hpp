@@ -1,5 +1,5 @@
 /// Rigid motions that neither supports nor closed contact resist. Frictionless contact resists nothing along its faces,
-/// so bodies that slide or spin freely are common: what loads drive has no solution, what none drives can be held.
+/// so bodies often slide or spin freely: driven by loads there is no solution, else they can be held.
 #pragma once
 
 #include <string>
@@ -39,9 +39,9 @@ void add_resistance(const SupportPoint& point, const std::vector<RigidPiece>& pi
                     const std::vector<BodyModel>& bodies, const std::vector<int>& assembly,
                     std::vector<Resistance>& held);
 
-/// Motions of one body (with those bonded to it) that leave its own contact surface as it is (`own`: a ball in its
-/// seat), or that of all others (`others`: a ball on plates): free as well, although closed points with the normals of
-/// the other side seem to resist them.
+/// Finds motions of one body (with those bonded to it) that leave its own contact surface unchanged (`own`: a ball in
+/// its seat), or that of all others (`others`: a ball on plates): free as well, although closed points with the normals
+/// of the other side seem to resist them.
 struct SurfaceMotions {
   FreeMotions own, others;
 };

@@ -35,8 +35,8 @@ int pair_of_face(const SolvedState& state, int body, int boundary_point) {
   return -1;
 }
 
-/// The contact point nearest to a grid position in the same cell and on the same side of the body, or nullptr. `n`:
-/// grid axes.
+/// Contact point nearest to a grid position in the same cell and on the same side of the body, or nullptr. `n`: grid
+/// axes.
 const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, const Vec3& n, int pair) {
   const ContactLink* nearest = nullptr;
   for (int l : body.boundary.links_of_cell[cell]) {
@@ -69,8 +69,8 @@ void set_stresses(const SolvedState& state, int body, int cell, const Vec3& xi, 
   row.pressure_sprc = pressure(row.stress_sprc, n);
 }
 
-/// Gap after deformation, the other body's pressure and the larger cell, seen from x along n; infinite and NaN if
-/// nothing is opposite. A rigid body has no pressure: NaN, and on it the stress is that of the other one.
+/// Finds the gap after deformation, the other body's pressure and the larger cell, seen from x along n; infinite and
+/// NaN if nothing is opposite. On a rigid body the pressure is NaN, the stress that of the other one.
 void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow& row) {
   const ContactPair& pair = state.pairs[row.pair];
   const int other = pair.other(row.body);

@@ -1,4 +1,4 @@
-/// The contact faces point by point: pressures, gap, open or closed.
+/// Contact faces point by point: pressures, gap, open or closed.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

@@ -42,7 +42,7 @@ Vec3 without_rounding(Vec3 v, double size) {
 
 double distance_from(const Axis& axis, const Vec3& x) { return axis.direction.cross(x - axis.point).norm(); }
 
-/// The motions of a zone (translation, then rotation about `centre` with lengths over `size`) that both sides resist by
+/// Motions of a zone (translation, then rotation about `centre` with lengths over `size`) that both sides resist by
 /// less than a mean square.
 Eigen::MatrixXd motions_along(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre, double size,
                               const std::optional<Vec3>& across, double tolerance) {
@@ -85,8 +85,8 @@ std::optional<TorqueCapacity> axis_of_motions(const Eigen::MatrixXd& motions, co
   return found;
 }
 
-/// The zone of a pair: where it is pressed, by what the solution transmits and by the recovered pressure, with its
-/// images behind planes of symmetry.
+/// Zone of a pair: where it is pressed, by what the solution transmits and by the recovered pressure, with its images
+/// behind planes of symmetry.
 class FrictionZone {
  public:
   FrictionZone(const SolvedState& state, const Results& results, int pair, const double* group_force)
@@ -285,7 +285,7 @@ constexpr double no_change_by_shear = 0.005;
 constexpr std::size_t fewest_steps = 10;
 constexpr double little_area = 0.1, small_slip = 1.0 / 3;
 
-/// A compliance 1/G; 0 of a rigid body.
+/// Compliance 1/G; 0 of a rigid body.
 double shear_compliance(const Material& material) {
   return std::isinf(material.youngs_modulus) ? 0 : 2 * (1 + material.poisson_ratio) / material.youngs_modulus;
 }

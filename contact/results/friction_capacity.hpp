@@ -21,7 +21,7 @@ namespace cgcontact {
 void fill_friction(const SolvedState& state, Results& results);
 
 /// Returns whether shear of mu p changes the pressure of a pair: it moves faces along their normals by Dundurs' second
-/// constant times what the pressure does (Johnson, Contact Mechanics, 2.2 and 5.4), not at all for one material.
+/// constant times the pressure's effect (Johnson, Contact Mechanics, 2.2 and 5.4), not at all for one material.
 bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair);
 
 /// Warns of bodies that slip while they are pressed in few steps; of slip that is no longer small.

@@ -26,8 +26,8 @@ bool contact_carries(const SolvedState& state);
 /// Returns the sum of all that acts on a body, N: what the linear solver leaves.
 double imbalance(const BodyBalance& balance);
 
-/// Says which pair's force is no contact force, although the iteration converged: it pulls, or the forces on a body do
-/// not balance by more than ResultOptions::largest_imbalance of it, as where the contact carries next to nothing beside
+/// Says which pair's force is no contact force, although the iteration converged: it pulls, or the forces on a body are
+/// out of balance by more than ResultOptions::largest_imbalance of it, as where contact carries little beside
 /// prescribed displacements. Empty: none.
 std::string contact_fault(const SolvedState& state);
 

@@ -23,7 +23,7 @@ double far(const SolvedState& state, int a, int b) {
   return box_distance(first, second) + 2 * (longest_extent(first) + longest_extent(second));
 }
 
-/// A contact as the solve saw it: of an automatic pair out of reach nothing but the bodies is left.
+/// Contact as the solve saw it: of an automatic pair out of reach nothing but the bodies is left.
 ContactPair pair_of(const SolvedState& state, const ContactSpec& spec) {
   for (const ContactPair& pair : state.pairs)
     if (pair.spec == &spec)
@@ -69,7 +69,7 @@ double gap_change(const SolvedState& state, const ContactPair& pair, const Conta
   return change;
 }
 
-/// The smallest gap at the faces' boundary points.
+/// Smallest gap at the faces' boundary points.
 std::optional<LeastGap> gap_at_points(const Results& results, int pair) {
   std::optional<LeastGap> least;
   for (const ContactRow& row : results.contact_rows)

@@ -11,9 +11,8 @@ namespace cgcontact {
 /// Returns the change of the gap at a contact point by the deformation, m.
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactPoint& point);
 
-/// Returns for each contact of the scene, m, how far it has to see, so that the points that lie inside the other body
-/// after the deformation belong to it. Empty if there are none. Contacts with a search_distance of their own are left
-/// alone.
+/// Returns for each contact of the scene, m, how far it has to see to hold the points inside the other body after the
+/// deformation. Empty if there are none. Contacts with their own search_distance stay.
 std::vector<double> missed_contact(const SolvedState& state);
 
 /// The smallest gap between the deformed faces of a pair, negative where they overlap: at the faces' boundary points
@@ -25,7 +24,7 @@ struct LeastGap {
 };
 std::optional<LeastGap> least_gap(const SolvedState& state, const Results& results, std::size_t pair);
 
-/// The deepest overlap of a pair that transmits no force.
+/// Deepest overlap of a pair that transmits no force.
 struct MissedOverlap {
   int pair = 0;
   double depth = 0;       ///< m, of the deformed bodies

@@ -10,9 +10,9 @@
 namespace cgcontact {
 namespace {
 
-/// Factor that the error of the displacements is taken times. The change of the gap from one grid to another with
-/// cells 2.5 times smaller, over eta^2 times the deformation: 0.3 in the median of 50 random scenes, 1.7 and 3.4 at the
-/// upper quarter and tenth, 5.8 at most (docs/decisions.md).
+/// Safety factor of the error of the displacements. The change of the gap with cells 2.5 times smaller, over eta^2
+/// times the deformation: 0.3 in the median of 50 random scenes, 1.7 and 3.4 at the upper quarter and tenth, 5.8 at
+/// most (docs/decisions.md).
 constexpr double safety = 3;
 /// Fraction of a body's motion: a deformation that is less is none.
 constexpr double motion_rounding = 1e-9;

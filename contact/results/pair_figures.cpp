@@ -58,9 +58,9 @@ double forces_of_scene(const SolvedState& state, const std::vector<double>& of_p
   return sum;
 }
 
-/// Force and moment on both bodies of a pair, and where the force acts, from the nodal forces of its groups: what
-/// really acts in the discrete equilibrium. `row`: number of its first group, `tangent`: of its first row of friction
-/// among those; `magnitude`: sum of its groups' forces.
+/// Adds force and moment on both bodies of a pair, and where the force acts, by the nodal forces of its groups, which
+/// act in the discrete equilibrium. `row`: number of its first group, `tangent`: of its first row of friction among
+/// those; `magnitude`: sum of its groups' forces.
 void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, std::size_t tangent,
                 double magnitude, PairFigures& figures) {
   // A bonded pair may pull here and press there: the centre of its area.

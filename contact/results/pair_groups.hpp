@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// A contact group, m, N.
+/// Contact group, m, N.
 struct GroupOnFace {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
   double area = 0, force = 0, gap_change = 0;  ///< gap_change: by which the deformation opens the mean gap

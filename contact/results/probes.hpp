@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// A point in an active cell: cell coordinates.
+/// Point in an active cell: cell coordinates.
 struct CellPoint {
   int cell = 0;
   Vec3 xi;

@@ -24,7 +24,7 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
-/// A finite number, nothing else.
+/// Finite number, nothing else.
 std::optional<double> number_in(const std::string& field) {
   double value = 0;
   const char* const begin = field.data() + (!field.empty() && field[0] == '+' ? 1 : 0);

@@ -16,9 +16,9 @@ struct SpringShare {
   std::vector<std::string> faces;  ///< "body.face" that the springs are on
 };
 
-/// Returns bodies whose springs and contact resist the same push side by side, where the springs take more than
-/// ResultOptions::largest_imbalance of it. A body that contact presses against its springs (an elastic foundation) is
-/// none of them. Needs the figures of pairs and supports and the balance.
+/// Returns bodies whose springs take more than ResultOptions::largest_imbalance of a push beside contact. A body that
+/// contact presses against its springs (an elastic foundation) is not one. Needs the figures of pairs and supports and
+/// the balance.
 std::vector<SpringShare> spring_shares(const SolvedState& state, const Results& results);
 
 /// Writes the largest share to the verdict, unless the run did not converge, and others as warnings. From

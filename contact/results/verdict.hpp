@@ -20,7 +20,7 @@ std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Re
 /// Judges the run. Needs the pair figures with their gaps, contact rows and contact links of the last recovery.
 Verdict judge(const SolvedState& state, const Results& results);
 
-/// Makes contacts not resolved whose estimated errors of the pressure, added up over their faces, are more than
+/// Marks contacts as not resolved whose estimated errors of the pressure add up over their faces to more than
 /// ResultOptions::largest_error of the pressure itself. Needs the verdict and pressure_error of the rows.
 void judge_errors(const SolvedState& state, Results& results);
 

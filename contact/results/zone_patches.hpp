@@ -1,4 +1,4 @@
-/// The patches of one zone on the contact face: where they lie, how far the other body is, whose groups they are.
+/// Patches of one zone on the contact face: where they lie, how far the other body is, whose groups they are.
 #pragma once
 
 #include "contact/results/pair_groups.hpp"

@@ -150,8 +150,8 @@ void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const Real
   problem_.exec.fence();
 }
 
-/// Bodies come together along the mean direction of what presses them: where a normal leans away from that a point has
-/// slipped along the face, by gap times tangent, when it closes. Without pressures yet: of what is closed.
+/// Finds the direction in which bodies come together: the mean of what presses them, or of closed points without
+/// pressures yet. Where a normal leans away from it a point has slipped, by gap times tangent, when it closes.
 void Friction::take_drifts(const ContactGroupArrays<MemSpace>& groups) const {
   const auto pressure = host_of(arrays_.pressure);
   const auto active = host_of(groups.active);
@@ -223,7 +223,7 @@ bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView&
   return any_turned;
 }
 
-/// The rows of the system by the new axes: each group's are turned in their plane.
+/// Rows of the system by the new axes: each group's are turned in their plane.
 void Friction::turn_rows() {
   const auto turned = host_of(arrays_.turned);
   const auto frame = host_of(arrays_.frame);

@@ -11,7 +11,7 @@
 
 namespace cgcontact {
 
-/// A row of friction on the host.
+/// Row of friction on the host.
 struct FrictionRow {
   std::size_t pair, group;  ///< group: of the pair
   double along[2];          ///< its direction at a point, by the tangents there

@@ -35,8 +35,8 @@ struct Change {
   }
 };
 
-/// A motion without stress: what is recovered is rounding of E u / h, not a stress to converge to. The least square of
-/// a norm that is more than that.
+/// Motion without stress: what is recovered is rounding of E u / h, not a stress to converge to. The least square of a
+/// norm that is more than that.
 double square_of_rounding(const Iterate& iterate) {
   double area = 0, stiffest = 0;
   for (const SupportPoint& p : iterate.problem.supports) area += p.implied ? 0 : p.weight;

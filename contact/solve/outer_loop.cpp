@@ -112,8 +112,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   take_loads();
   for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
     now_.rigid_parts.set_expansion(b, problem_.bodies[b].expansion);
-  // Do the closed points hold all bodies? Those of another grid do; without its displacements there is no way to search
-  // along.
+  // Closed points of another grid hold all bodies; without its displacements there is no way to search along.
   bool held = false;
   if (!warm_) {
     now_.forget();
@@ -251,7 +250,7 @@ void ContactSolver::Impl::take_over(const Impl& other) {
   warm_ = true;
 }
 
-/// The linear system of the present iterate.
+/// Linear system of the present iterate.
 void ContactSolver::Impl::assemble() {
   set_group_stiffness(problem_.system, now_.group_stiffness());
   now_.set_rigid_parts_aside();

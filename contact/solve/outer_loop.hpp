@@ -1,4 +1,4 @@
-/// The outer iteration: lagged recovered stress and active set together.
+/// Outer iteration: lagged recovered stress and active set together.
 ///
 /// Supports: lambda = d . sigma* n - kappa E/h (u . d - g). Contact: p = [p* - kappa E/h gap]_+, the gap projected per
 /// group, p* the weighted mean of both bodies' recovered pressures. sigma* is that of the previous outer iterate, so

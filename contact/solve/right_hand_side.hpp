@@ -1,4 +1,4 @@
-/// The right-hand side of one outer iteration: loads, lagged stresses, prescribed displacements and gaps.
+/// Right-hand side of one outer iteration: loads, lagged stresses, prescribed displacements and gaps.
 #pragma once
 
 #include "contact/solve/iterate.hpp"

@@ -27,7 +27,7 @@ constexpr double little_load = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
 constexpr int most_steps = 100, many_steps = 30, most_halvings = 80;
 
-/// A spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
+/// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
 struct Spring {
   int first = 0, second = -1;
   NormalContact law;
@@ -159,7 +159,7 @@ bool RigidBodies::solve() {
   return unbalanced().norm() <= balanced * scale();
 }
 
-/// The spring of a contact group along directions at its points, without these.
+/// Spring of a contact group along directions at its points, without these.
 template <class DirectionAt>
 Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces,
                     const DirectionAt& direction_at) {

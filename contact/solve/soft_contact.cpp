@@ -7,8 +7,8 @@ namespace {
 
 /// Each time it becomes softer or stiffer; at most two times: a layer of kappa = 0.1 gives way like ten cells or more.
 constexpr double step_of_kappa = 10, softest = 0.01;
-/// Fractions of a step that a line search leaves: after two of less than the first the active set swings (one is common
-/// at the start), at more than the second it has come to rest, if no more than a tenth of the closed points change.
+/// Fractions of a step that a line search leaves: after two below the first the active set swings (one is common at the
+/// start), above the second it is at rest, if at most a tenth of the closed points change.
 constexpr double short_step = 0.5, whole_step = 0.9, few = 0.1;
 
 }  // namespace

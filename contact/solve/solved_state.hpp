@@ -39,7 +39,7 @@ inline double force_unit(const SolvedState& state) {
   return state.scales.stress * state.scales.length * state.scales.length;
 }
 
-// The fields at a point of a body: active cell and cell coordinates; global axes.
+// Fields at a point of a body: active cell and cell coordinates; global axes.
 
 /// Returns m.
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);

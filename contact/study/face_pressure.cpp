@@ -120,7 +120,7 @@ SampledPressure::Linear SampledPressure::fit(const std::vector<Neighbour>& point
     matrix.row(k) = weight(points[k]) / radius * (rows_[points[k].second].x - linear.middle);
     values[k] = weight(points[k]) * (value(points[k]) - linear.mean);
   }
-  // The smallest gradient: the points of a flat face say nothing about the direction across it.
+  // Smallest gradient: the points of a flat face say nothing about the direction across it.
   linear.gradient = least_squares(matrix, values, 1e-3) / radius;
   return linear;
 }
