@@ -1,4 +1,4 @@
-/// The module cgcontact._cgcontact: scenes and results of the library for Python. Arrays are views of the results where
+/// Module cgcontact._cgcontact: scenes and results of the library for Python. Arrays are views of the results where
 /// these lie in rows already (contact points), else copies.
 #include <fmt/format.h>
 #include <pybind11/functional.h>
