@@ -28,7 +28,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// First number in a file; `otherwise` if there is none ("max").
+/// First number in a file; `otherwise` if none ("max").
 double number_in(const std::string& file, double otherwise) {
   double value = otherwise;
   std::ifstream stream(file);

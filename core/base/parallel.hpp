@@ -1,6 +1,6 @@
 /// Loops of the host over all threads of the backend, as labelled Kokkos dispatches ("cgcontact::file::what", what a
 /// Kokkos tool shows). Chunks do not depend on the number of threads, and their results are joined in order, so that
-/// results are the same to the last bit for any number of threads. A loop inside a loop, or without Kokkos started
+/// results are bitwise the same for any number of threads. A loop inside a loop, or without Kokkos started
 /// (KokkosScope), runs on the calling thread. Only parallel.cpp sees Kokkos itself.
 #pragma once
 
@@ -37,7 +37,7 @@ class ProfiledRegion {
 /// polynomials), tenths of one (points that look for others), hundredths (sums).
 constexpr std::size_t grain_of_heavy = 32, grain_of_medium = 256, grain_of_light = 4096;
 
-/// Returns the number of chunks of `grain` items that n items make.
+/// Counts the chunks of `grain` items that n items make.
 inline std::size_t num_chunks(std::size_t n, std::size_t grain) { return (n + grain - 1) / grain; }
 
 /// Calls body(chunk) for all of [0, chunks). Throws what a loop on one thread would have thrown: the exception of the

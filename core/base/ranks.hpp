@@ -61,10 +61,10 @@ std::string text_of_first_rank(const std::string& own);
 /// Returns the number of ranks on this machine. Collective.
 int ranks_on_this_machine();
 
-/// Bytes of all ranks one after the other.
+/// Bytes of all ranks in turn.
 std::vector<char> gather_bytes(const void* own, std::size_t size);
 
-/// Gathers the entries of all ranks one after the other.
+/// Gathers the entries of all ranks in turn.
 template <class T>
 std::vector<T> gather(const std::vector<T>& own) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -92,7 +92,7 @@ void put_together(std::vector<T>& all) {
 void put_chunks_together(std::vector<double>& all, std::size_t grain);
 
 /// Returns whether all ranks have an exception, as this one (within a few seconds). Then it is the same, one of them
-/// reports it, and all may end as usual. Otherwise the others wait in vain for this one.
+/// reports it, and all end as usual. Else the others wait in vain.
 bool failed_on_all_ranks();
 /// Ends all ranks at once.
 [[noreturn]] void abort_all_ranks(int exit_code);

@@ -4,7 +4,7 @@
 namespace cgcontact {
 
 /// Opens /dev/null for those of the descriptors 0, 1, 2 that are closed ("2>&-" in a shell, some batch systems): the
-/// next file that is opened would take their number, and messages would be written into it.
+/// next opened file would take their number and receive messages.
 void open_standard_descriptors();
 
 }  // namespace cgcontact

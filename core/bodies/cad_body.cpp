@@ -138,8 +138,8 @@ std::shared_ptr<const BodyGeometry> CadBody::transformed(const Mat3& rotation, c
       new CadBody(model_, std::make_shared<const CadSurface>(std::move(moved), face_names(model_))));
 }
 
-/// Elsewhere the triangles stay as large as the coarsest cells allow, or a ball pressed on a plate would have as many
-/// as if all of its cells were as small as those in the contact zone.
+/// Elsewhere the triangles stay as large as the coarsest cells allow, or a ball on a plate would have as many as if all
+/// of its cells were those of the contact zone.
 std::shared_ptr<const BodyGeometry> CadBody::on_level(int level, const CellTree& tree) const {
   const double scale = std::ldexp(1.0, level);
   // Boundary of pruned cells goes to leaves up to three cells of the level before away; images bulge out of the boxes.

@@ -1,5 +1,5 @@
-/// Bodies from CAD files: bounded by the exact surfaces of a CadModel. Triangles close to them say what is inside, and
-/// where on the surface to look; everything that is measured is measured on the surface itself.
+/// Bodies from CAD files: bounded by the exact surfaces of a CadModel. Triangles close to them decide what is inside
+/// and where to search on the surface; all measures are those of the surface.
 #pragma once
 
 #include <memory>

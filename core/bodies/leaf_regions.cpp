@@ -33,8 +33,8 @@ Quadric expand_cone(const Surface& cone, const Vec3& x) {
   return result;
 }
 
-/// Function with the sign of the surface's signed distance, of unit slope on the surface, as a polynomial of the
-/// difference to x. One copy only: cells that share a face must get bitwise equal coefficients.
+/// Returns a function with the sign of the surface's signed distance, of unit slope on the surface, as a polynomial of
+/// the difference to x. One copy: cells that share a face need bitwise equal coefficients.
 [[gnu::noinline]] Quadric expand(const Surface& surface, const Vec3& x) {
   Quadric result;
   const Vec3 d = x - surface.point;

@@ -24,8 +24,8 @@ using FaceNumbers = Mesh::Property_map<Mesh::Face_index, int>;
 /// Number of the faces that bound a half-space or an endless cylinder far away.
 constexpr int far_away = -1;
 
-/// Points of a triangle surface nearer than this to a plane of the other operand are put on it (relative to the size):
-/// faces that are meant to coincide do.
+/// Points of a triangle surface nearer than this to a plane of the other operand are put on it (relative to the size),
+/// so that faces coincide as meant.
 constexpr double on_plane = 1e-9;
 
 /// Points of the result nearer than this are one (relative to the size): intersections that rounding has parted.

@@ -40,8 +40,8 @@ Index3 decode(long long code) {
 /// Degree of the polynomials that are integrated over a flat facet.
 constexpr int full_degree = 3 * moment_degree + 1;
 
-/// Degrees of the rules for a piece of a curved face: as far as a piece is smaller than its cell the polynomials vary
-/// less on it. Slivers are a hundredth of a cell thick.
+/// Degrees of the rules for a piece of a curved face: polynomials vary less on a piece smaller than its cell. Slivers
+/// are a hundredth of a cell thick.
 struct CurvedDegrees {
   int piece, sliver;
 };

@@ -25,7 +25,7 @@ class TriangleCells : public CellSweep {
                 const std::vector<Plane>& dividers, int order, const LeafLevel& leaves);
 
   GridNumbers take_inside() override { return GridNumbers(num_cells_); }
-  /// Returns the number of rows of cells along x that the surface crosses, by k, j.
+  /// Counts the rows of cells along x that the surface crosses, by k, j.
   std::size_t num_parts() const override { return row_begin_.size() - 1; }
   /// Throws InputError where the surface is not closed or does not enclose each volume once.
   void sweep(std::size_t row, SweptCells& found) const override;

@@ -1,5 +1,5 @@
-/// Interface to OpenCASCADE, in a module of its own, which the program loads when it meets the first CAD file:
-/// OpenCASCADE's libraries take time and memory at every start, and few scenes need them.
+/// Interface to OpenCASCADE, in a module of its own, loaded with the first CAD file: OpenCASCADE's libraries take time
+/// and memory, and few scenes need them.
 #pragma once
 
 #include "core/base/packing.hpp"

@@ -1,5 +1,5 @@
-/// Outside of the module with OpenCASCADE its functions are those of the module, loaded at the first call. Those that
-/// look at what comes from a file are called in child processes.
+/// OpenCASCADE's functions outside of its module, which is loaded at the first call. Those that look at a file are
+/// called in child processes.
 #include <dlfcn.h>
 #include <fmt/format.h>
 
@@ -117,7 +117,7 @@ void leave_out_copies(std::vector<CadModel::SectionEdge>& edges) {
   edges = std::move(once);
 }
 
-/// Edges one after the other, in lines that end where they begin.
+/// Edges in turn, in lines that end where they begin.
 std::vector<std::vector<CadModel::SectionEdge>> closed_lines(std::vector<CadModel::SectionEdge> edges) {
   leave_out_copies(edges);
   add_axis(edges);

@@ -46,7 +46,7 @@ Handle(Geom_Surface) plane_along(const gp_Pln& plane, const BRepAdaptor_Surface&
   return new Geom_Plane(plane.Location(), axis.Dot(normal) > 0 ? axis : axis.Reversed());
 }
 
-/// Returns the simple surface that equals the free-form surface of a face within its tolerance; null if there is none.
+/// Returns the simple surface that equals the free-form surface of a face within its tolerance; null if none.
 Handle(Geom_Surface) simple_surface(const TopoDS_Face& face, const BRepAdaptor_Surface& surface) {
   const double tolerance = std::max(Precision::Confusion(), BRep_Tool::Tolerance(face));
   try {

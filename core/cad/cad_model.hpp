@@ -1,5 +1,5 @@
 /// Solids of CAD files (STEP, IGES, BREP) by OpenCASCADE, of which no header appears here. Lengths of the model in mm,
-/// as OpenCASCADE has them; all that leaves it in the coordinates of a Similarity is said so.
+/// as OpenCASCADE has them, unless in the coordinates of a Similarity.
 #pragma once
 
 #include <memory>

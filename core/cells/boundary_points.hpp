@@ -33,8 +33,8 @@ struct BoundaryPoints {
   std::vector<double> weight;
   std::vector<int> cell;     ///< active cell that the point belongs to (index into CutCells::cells)
   std::vector<int> surface;  ///< index into solid.surfaces()
-  /// Means over the point's piece of surface (between dividers), which say on which side of the dividers it lies: a
-  /// point of it may be as near to one as rounding. Empty in bodies without face dividers.
+  /// Means over the point's piece of surface (between dividers), which decide the side of the dividers: a point itself
+  /// may be on one but for rounding. Empty in bodies without face dividers.
   std::vector<Vec3> piece_position, piece_normal;
   std::size_t size() const { return weight.size(); }
   void append(const Vec3& x, const Vec3& n, double w, int owner, int on_surface) {

@@ -32,7 +32,7 @@ class CellSweep {
   virtual ~CellSweep() = default;
   /// Returns cells that are known to be inside before the sweep. Called once.
   virtual GridNumbers take_inside() = 0;
-  /// Returns the number of chunks, which are in the order of the cells, by k, j, i.
+  /// Counts the chunks, which are in the order of the cells, by k, j, i.
   virtual std::size_t num_parts() const = 0;
   /// Appends the cells of a chunk; different threads may sweep different chunks. Throws InputError.
   virtual void sweep(std::size_t part, SweptCells& found) const = 0;

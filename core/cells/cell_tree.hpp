@@ -60,7 +60,7 @@ class CellTree {
   std::vector<GridNumbers> refined_;  ///< of every level but the last; none is empty
 };
 
-/// Returns the number of cells per direction of a level.
+/// Counts the cells per direction of a level.
 inline Index3 cells_of_level(const Index3& num_cells, int level) {
   return {num_cells[0] << level, num_cells[1] << level, num_cells[2] << level};
 }

@@ -28,7 +28,7 @@ bool contains(const Block& outer, const Block& inner) {
 }
 
 /// Marks what overlaps some blocks, from above: from blocks of the whole grid to its cells and their children, as deep
-/// as they differ. So a block of any number of small cells takes no longer than the cells in it.
+/// as they differ. The time of a block goes with the cells in it.
 class Marking {
  public:
   Marking(const CutCells& cells, std::vector<char>& marked) : cells_(cells), marked_(marked) {}
@@ -139,8 +139,8 @@ Index3 moved(Index3 place, int direction, int by) {
   return place;
 }
 
-/// Joins the cells of a level with each other and with those of twice the size beside them. By words of 64 cells: the
-/// cells of a run are connected, and so are two runs that touch.
+/// Joins the cells of a level with each other and with those of twice the size beside them. By words of 64 cells: runs
+/// that touch are connected.
 void join_level(const CutCells& cells, int level, JoinedCells& joined) {
   const GridNumbers& numbers = cells.parts.empty() ? cells.numbers : cells.parts[level].numbers;
   numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {

@@ -29,8 +29,8 @@ struct PieceMean {
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
 };
 
-/// Cells: the least distance from an axis of revolution that points count with. Those on the axis keep an area that is
-/// not zero, of no weight among others.
+/// Cells: the least distance from an axis of revolution that points count with. Points on the axis keep a negligible
+/// area.
 constexpr double nearest_to_axis = 1e-9;
 
 /// Points from a given one on: from the grid coordinates of a level to those of the body, their areas to those for

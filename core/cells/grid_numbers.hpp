@@ -22,8 +22,8 @@ class GridNumbers {
   /// Numbers the given positions, in any order.
   GridNumbers(const Index3& extent, const std::vector<Index3>& places);
 
-  /// Adds a position, or `length` positions along x from `first` on; twice is once. Throws std::logic_error outside of
-  /// the extent. Numbers hold after number().
+  /// Adds a position, or `length` positions along x from `first` on; repeats do not count. Throws std::logic_error
+  /// outside of the extent. Numbers hold after number().
   void insert(const Index3& place) { insert_row(place, 1); }
   void insert_row(const Index3& first, int length);
   /// Numbers all positions. Throws InputError if there are more than 32-bit numbers hold.

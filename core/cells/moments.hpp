@@ -19,8 +19,7 @@ constexpr int num_moments = (moment_degree + 1) * (moment_degree + 1) * (moment_
 /// moment[0] = 8) over cell and body; index (i * (moment_degree+1) + j) * (moment_degree+1) + k.
 using Moments = std::array<double, num_moments>;
 
-/// Moments of cells one after the other. Copies, slices and choices share what they stand for until one of them is
-/// changed.
+/// Moments of cells in turn. Copies, slices and choices share what they stand for until one of them is changed.
 class MomentList {
  public:
   class Iterator {

@@ -190,7 +190,7 @@ const ShapeOfType* shape_of_type(const std::string& type) {
   return nullptr;
 }
 
-/// Turns blocks into a deck, one after the other.
+/// Turns blocks into a deck, in turn.
 class DeckReader {
  public:
   Deck read(const std::string& file) {

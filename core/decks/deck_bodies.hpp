@@ -21,12 +21,12 @@ struct DeckBody {
   std::set<ElementSide> outer;
   std::vector<DeckFace> faces;
 
-  /// Returns the face with these outer sides, which is added if there is none; "": there are none of this body.
+  /// Returns the face with these outer sides, which is added if none; "": there are none of this body.
   std::string face(const std::set<ElementSide>& sides, const std::string& wanted_name);
 };
 
-/// In the order of their first elements. Bodies of different materials that share nodes are joined: `joints` are the
-/// outer sides of the first that are sides of the second too, and the other way round.
+/// Finds bodies in the order of their first elements. Bodies of different materials that share nodes are joined:
+/// `joints` are the outer sides of the first that are sides of the second too, and the other way round.
 struct DeckBodies {
   struct Joint {
     std::size_t first, second;

@@ -14,8 +14,8 @@ namespace {
 constexpr int max_subdivision = 8;
 /// Largest distance between a curved surface and its chords that needs no subdivision, cell units.
 constexpr double max_sagitta = 0.008;
-/// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that a face
-/// whose sliver of a cell was pruned is found on the neighbour.
+/// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that the face of a
+/// pruned sliver is found on the neighbour.
 constexpr double on_tolerance = 1e-10;
 /// Subdivision of cells that a curved patch crosses.
 constexpr int patch_subdivision = 2;

@@ -1,5 +1,5 @@
-/// Turns the cut cells of a body into a mesh that can be drawn: hexahedra for full cells, tetrahedra where the boundary
-/// passes, and the triangles of the boundary. For output only; integration uses the moments.
+/// Drawable mesh of a body's cut cells: hexahedra for full cells, tetrahedra where the boundary passes, and the
+/// triangles of the boundary. For output only; integration uses the moments.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ struct BoundaryTriangle {
 constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6},
                                                 {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
 
-/// Full cells that no surface comes near: hexahedra as they are, of which only the numbers are kept. Points of theirs
-/// that no polyhedron has are interior points, numbered behind those of the mesh.
+/// Full cells that no surface comes near: hexahedra, kept as numbers only. Points of theirs that no polyhedron has are
+/// interior points, numbered behind those of the mesh.
 struct InteriorCells {
   std::vector<int> cells;                    ///< active cells, ascending
   std::vector<int> cell_of_point;            ///< of each interior point, one that has it as a corner

@@ -13,7 +13,7 @@ constexpr double same_face = 0.7;
 /// Added to the squares of the coordinates in units of the reach: without enough rows across the slope is zero.
 constexpr double ridge = 1e-3;
 
-/// Fractions of a cell that are tried one after the other, until there are enough rows: fits over more flatten a peak.
+/// Fractions of a cell that are tried in turn, until there are enough rows: fits over more flatten a peak.
 constexpr double reaches[] = {0.25, 0.35, 0.5, 0.7, 1};
 constexpr std::size_t enough_rows = 6;
 

@@ -7,8 +7,8 @@
 
 namespace cgcontact {
 
-/// Finds extremes by body: at the points of its drawn mesh, of a face at those of them that lie on it (at its
-/// quadrature points if it is smaller than that); of the contact pressure in the contact rows.
+/// Finds extremes by body: at the points of its drawn mesh, of a face at those on it (at quadrature points of a smaller
+/// one); of the contact pressure in the contact rows.
 std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn);
 
 /// Does so where nothing else is drawn: each rank draws some of the bodies. Collective.

@@ -1,5 +1,5 @@
-/// The boundary of the bodies divided into regions: same elementary surface, same supports, loads and contact; where
-/// none of the loads acts also by the faces that the scene declares.
+/// Regions of the bodies' boundary: same elementary surface, supports, loads and contact; without loads also by
+/// declared faces.
 #pragma once
 
 #include <map>

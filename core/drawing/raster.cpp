@@ -159,8 +159,8 @@ std::vector<std::size_t> RasterImage::outline_pixels() const {
   return found;
 }
 
-/// A pixel that is apart from all its neighbours, which belong together, is a crack between cells of two sizes on a
-/// curved face, or a sliver: it becomes what is beside it.
+/// A pixel apart from all its neighbours, which belong together, is a crack between cells of two sizes, or a sliver: it
+/// becomes what is beside it.
 void RasterImage::mend_speck(int x, int y) {
   if (x == 0 || y == 0 || x + 1 == width_ || y + 1 == height_) return;
   const std::size_t place = static_cast<std::size_t>(y) * width_ + x;

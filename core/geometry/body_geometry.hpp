@@ -78,7 +78,7 @@ class BodyGeometry {
   /// `most_cells` cells if it needs one.
   virtual CellEstimate estimate_cells(const Grid& grid, double most_cells) const = 0;
 
-  // Returns the number of facets of a body made of flat ones.
+  // Counts the facets of a body made of flat ones.
 
   virtual std::size_t num_facets() const { return 0; }
   /// Returns the width of the narrower of two facets that meet at an angle (at least_angle, radians, or more) although

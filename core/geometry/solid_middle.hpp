@@ -1,5 +1,5 @@
-/// Middle and sides of a body's bounding box. Choices that a body's mirror image shall make as well (where to begin,
-/// which way to go) are made as seen from the middle.
+/// Middle and sides of a body's bounding box. Choices that hold for a body's mirror image too (where to begin, which
+/// way to go) are made from the middle.
 #pragma once
 
 #include <cmath>

@@ -113,8 +113,8 @@ class DirectoryLock {
   bool held_;
 };
 
-/// Removes what runs that were killed have left beside the target: those whose process has gone and whose lock is free.
-/// An earlier result that was about to be replaced returns; files of the user in one go there.
+/// Removes what killed runs (process gone, lock free) have left beside the target. An earlier result that was being
+/// replaced returns; files of the user in one go there.
 void remove_remains(const fs::path& target) {
   const std::string prefix = temporary_prefix(target);
   std::error_code error;
@@ -253,9 +253,8 @@ bool extremes_by_ranks_alone(const Scene& scene) {
 
 bool wants_view(const Scene& scene) { return scene.output.report && scene.output.plots && scene.output.view; }
 
-/// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
-/// `steps`: with all steps, or none.
-/// `fields_elsewhere`: another rank writes the files of fields.
+/// Writes all files but the two reports, pictures first: gnuplot draws while the other files are written. `steps`: with
+/// all steps, or none. `fields_elsewhere`: another rank writes the files of fields.
 PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps,
                       bool fields_elsewhere) {
   PageParts parts;

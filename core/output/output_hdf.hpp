@@ -1,5 +1,5 @@
 /// Small HDF5 writer for VTKHDF files. A file is built in memory and written in one go, so that a full disk is one
-/// plain write error, or, if it can be larger than the memory, on the disk, array by array.
+/// plain error, or, if larger than memory, array by array on the disk.
 #pragma once
 
 #include <string>

@@ -94,8 +94,8 @@ std::string estimate(const Results& results, const PairFigures& pair, const std:
   return coarse ? figure(*error, "not resolved") : percent(*error);
 }
 
-/// The largest of all forces: of loads, supports, pairs, and what the pressures of a pair would give if all had one
-/// direction (those of a shrink fit add up to nothing).
+/// Returns the largest of all forces: of loads, supports, pairs, and the sum of a pair's pressures regardless of
+/// direction (a shrink fit).
 double force_scale(const Results& results) {
   double scale = 0;
   for (const PairFigures& pair : results.pairs)
@@ -516,7 +516,7 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
 
 constexpr double seconds_per_picture = 0.8;
 
-/// Pictures of the steps one after the other, without a script: they lie on the last one and are seen in turn.
+/// Pictures of the steps in turn, without a script: they lie on the last one and are seen in turn.
 std::string film(const PageParts& parts) {
   if (!parts.steps.empty() && parts.beside.count(parts.steps.front()))
     return note("The view above shows the steps as a film; their pictures, " + parts.steps.front() + " to " +

@@ -45,8 +45,8 @@ double choose_exaggeration(double largest, const SceneBox& box) {
   return factor <= 1 || factor > 1e9 ? 1 : round_down(factor);  // smaller displacements are rounding
 }
 
-/// The end of the range of colours for the stress on the boundary: without its highest half per cent; the picture says
-/// where it is cut. Zero: there is no stress.
+/// Returns the end of the range of colours for the boundary's stress: without its highest half per cent; the picture
+/// says so. Zero: no stress.
 double end_of_colours(const std::vector<DrawnBody>& bodies) {
   std::size_t num_triangles = 0;
   for (const DrawnBody& body : bodies) num_triangles += body.mesh.boundary.size();
@@ -180,7 +180,7 @@ const Extreme& largest_stress(const Results& results, std::size_t body) {
   return results.extremes[body].body.von_mises;
 }
 
-/// Body with the largest von Mises stress; nothing if there is none.
+/// Body with the largest von Mises stress; nothing if none.
 std::optional<std::size_t> most_stressed(const Results& results) {
   std::optional<std::size_t> most;
   for (std::size_t b = 0; b < results.extremes.size(); ++b)

@@ -8,8 +8,8 @@
 
 namespace cgcontact {
 
-/// Draws check_repair.png: each repaired surface from both sides, with the triangles that were not in its file in
-/// colour, and what changed. Returns the picture's name, "" if nothing was repaired on request.
+/// Draws check_repair.png: each repaired surface from both sides, with new triangles in colour, and the changes.
+/// Returns the picture's name, "" without repairs on request.
 std::string draw_repairs(const Scene& scene, GnuplotRuns& runs);
 
 }  // namespace cgcontact

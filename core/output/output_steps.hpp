@@ -1,5 +1,5 @@
 /// Files of the steps before the last one: steps.vtkhdf, the pictures of the steps, force_displacement.svg. Fields go
-/// to the disk step by step, so that memory does not grow with them.
+/// to the disk step by step.
 #pragma once
 
 #include <optional>

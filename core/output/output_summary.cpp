@@ -155,8 +155,7 @@ std::string zone_text(const Results& results) {
   return text;
 }
 
-/// Describes the zone with the largest force of which planes of symmetry leave a fraction in the model; "" if there is
-/// none.
+/// Describes the zone with the largest force of which planes of symmetry leave a fraction in the model; "" if none.
 std::string symmetry_text(const Results& results) {
   const PairFigures* most = nullptr;
   for (const PairFigures& pair : results.pairs)

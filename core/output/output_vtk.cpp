@@ -56,7 +56,7 @@ Vec3 point_of(const ClippedMesh& mesh, int point) {
 /// Rows that are in memory at a time.
 constexpr std::size_t rows_per_block = 1 << 16;
 
-/// Writes the bodies' arrays one after the other, block by block.
+/// Writes the bodies' arrays in turn, block by block.
 class BodyWriter {
  public:
   BodyWriter(const std::vector<DrawnBody>& bodies, HdfFile& file) : bodies_(bodies), file_(file) {}

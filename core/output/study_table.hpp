@@ -25,7 +25,7 @@ struct StudyRow {
   Status status = Status::not_run;
   std::string message;  ///< why it failed, or its warnings
   double wall_s = 0;    ///< of the whole process
-  std::string report;   ///< text of report.json, empty if there is none
+  std::string report;   ///< text of report.json, empty if none
   RunFigures figures;
   std::vector<ZoneError> errors;  ///< of the pressure; empty: nothing to compare with
 

@@ -14,8 +14,8 @@ struct ChildOutcome {
   double wall_s = 0;
 };
 
-/// As long as it lives, SIGINT, SIGTERM and SIGHUP (those that are not ignored) do not end this program: they end the
-/// child that is running and are remembered. Make it before any thread.
+/// While it lives, SIGINT, SIGTERM and SIGHUP (unless ignored) end the running child instead of this program and are
+/// remembered. Make it before any thread.
 class ChildRunner {
  public:
   ChildRunner();

@@ -1,5 +1,5 @@
-/// The user stops the program (SIGINT, SIGTERM, SIGHUP): what it has begun is cleared away, then it ends with one
-/// message and exit code 128 + number of the signal.
+/// The user stops the program (SIGINT, SIGTERM, SIGHUP): it cleans up and ends with one message and exit code 128 +
+/// number of the signal.
 #pragma once
 
 #include <functional>
@@ -22,8 +22,8 @@ class InterruptionWatch {
   std::thread thread_;
 };
 
-/// Something that an interruption has to do, which must not throw; it is forgotten when this object goes. Once the
-/// clean-ups have begun, a thread that makes or destroys one waits for the end of the program.
+/// Clean-up at an interruption, which must not throw, while this object lives. Once clean-ups have begun, a thread that
+/// makes or destroys one waits for the end of the program.
 class CleanUp {
  public:
   explicit CleanUp(std::function<void()> action);

@@ -12,8 +12,8 @@
 
 namespace cgcontact {
 
-/// Phases are timed in any mode. On a terminal nothing appears in the first second; then the line is rewritten several
-/// times a second by a thread of its own, so that the clock in it runs while a phase takes long.
+/// Phases are timed in any mode. On a terminal nothing appears in the first second; then a thread rewrites the line
+/// several times a second, so that its clock runs.
 class Progress {
  public:
   enum class Mode { automatic, terminal_only, terminal, log, warnings, silent };

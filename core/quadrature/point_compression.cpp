@@ -20,7 +20,7 @@ constexpr double no_weight = 1e-13;  // of all: where steps tie several weights 
 using Vector = std::vector<double>;
 
 /// Tableau of all points in terms of a basis of points (as many as independent functions): row i, column p is the
-/// weight that point p brings to the i-th basis point when the basis represents it.
+/// weight of the i-th basis point in point p.
 class Elimination {
  public:
   Elimination(const FunctionTable& functions, Vector& weights)

@@ -96,13 +96,13 @@ struct ContactRow {
   double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
   bool active = false;
-  /// With friction: what the other body drags this one along with, Pa (as transmitted, SPR-C); how far this body
-  /// has slipped on the other one, m; the way that it has rubbed, m; whether it slips here.
+  /// With friction: traction of the other body on this one, Pa (as transmitted, SPR-C); how far this body has slipped
+  /// on the other one, m; the way that it has rubbed, m; whether it slips here.
   Vec3 shear_transmitted = Vec3::Zero(), shear_sprc = Vec3::Zero(), slip = Vec3::Zero();
   double travelled = 0;
   bool slips = false;
-  /// Closed, or open beside closed points: where the pair's contact zone can be. Area, largest pressure and the force
-  /// of the recovered pressure are those of these rows.
+  /// Closed, or open beside closed points: where the contact zone can be. These rows give area, largest pressure and
+  /// force of the recovered pressure.
   bool touching = false;
 };
 

@@ -184,8 +184,8 @@ void CadTemplate::add_contacts() {
     }
 }
 
-/// Face that touches nothing: of the largest solid the flat one that looks down most, of the larger ones; if there is
-/// none, such a one of any solid; then the largest flat one, then the largest.
+/// Finds a face that touches nothing: of the largest solid's larger flat ones that which looks down most; else such a
+/// one of any solid; then the largest flat one, then the largest.
 CadTemplate::Held CadTemplate::find_held(std::size_t largest) const {
   Held held{largest, -1};
   for (int choice = 0; choice < 4 && held.face < 0; ++choice) {

@@ -30,7 +30,7 @@ const char* const operators_help =
 bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
 bool continues_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-/// Number of characters of the decimal number at the start of the text (with exponent), 0 if there is none.
+/// Number of characters of the decimal number at the start of the text (with exponent), 0 if none.
 std::size_t length_of_number(const std::string& text, std::size_t begin) {
   const auto digit = [&](std::size_t k) {
     return k < text.size() && std::isdigit(static_cast<unsigned char>(text[k]));
@@ -277,7 +277,7 @@ struct BoundParser {
 
 }  // namespace
 
-/// A text that has been checked, with as many parsers as threads have ever evaluated it at the same time.
+/// A text that has been checked, with as many parsers as threads have ever evaluated it at once.
 struct Expression::Compiled {
   Compiled(const TextWithoutUnits& plain_in, const std::string& text_in, const SourcePlace& place_in,
            const Constants& constants_in)

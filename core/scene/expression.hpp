@@ -18,7 +18,7 @@ using Constants = std::map<std::string, Quantity>;
 /// Name of the constant that only [reference] knows, after the solve: magnitude of the first pair's contact force, N.
 inline constexpr const char* contact_force_name = "contact_force";
 
-/// Number or an expression of x, y, z. Several threads may evaluate one object at the same time.
+/// Number or an expression of x, y, z. Several threads may evaluate one object at once.
 class Expression {
  public:
   Expression();  ///< zero

@@ -29,8 +29,8 @@ struct FaceTraction {
   }
 };
 
-/// Moments of a face by the quadrature points that loads are integrated with: what acts on the body then has exactly
-/// the force and moment asked for, whatever the area of the points.
+/// Moments of a face by the quadrature points that loads are integrated with: so the body gets exactly the prescribed
+/// force and moment.
 class FaceMoments {
  public:
   /// Adds a point: m, unit outward normal, m^2.

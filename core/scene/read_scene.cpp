@@ -60,7 +60,7 @@ std::string read_file(const std::string& file) {
   return text;
 }
 
-/// Returns the end of a comment or string that begins at `begin`; `begin` if there is none.
+/// Returns the end of a comment or string that begins at `begin`; `begin` if none.
 std::size_t end_of_comment_or_string(std::string_view text, std::size_t begin) {
   const char quote = text[begin];
   if (quote == '#') return std::min(text.find('\n', begin), text.size());

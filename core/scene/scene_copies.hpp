@@ -8,8 +8,8 @@
 
 namespace cgcontact {
 
-/// Replaces them in the document. `again` makes the document as it was once more: nodes know their line in the file,
-/// and copies of them would not. Throws InputError.
+/// Replaces them in the document. `again` parses the document once more: nodes know their line in the file, copies do
+/// not. Throws InputError.
 void make_copies(toml::table& document, const SceneText& text, const std::function<toml::table()>& again);
 
 }  // namespace cgcontact

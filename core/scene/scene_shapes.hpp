@@ -29,7 +29,7 @@ struct Shape {
   /// "primitive.face" of all faces.
   std::vector<std::string> face_names() const;
   /// Returns the faces that "primitive.face", "primitive" (all its faces) or "face" (if only one primitive has such a
-  /// face) means; empty if there is none.
+  /// face) means; empty if none.
   std::vector<std::string> resolve(const std::string& reference) const;
 };
 

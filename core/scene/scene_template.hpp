@@ -24,8 +24,8 @@ constexpr int fewest_init_cells = 4, most_init_cells = 200;
 /// Function that finds what keeps a scene (its text, the name of its file) from running; "": nothing.
 using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;
 
-/// Writes the scene, which must not exist yet, and returns remarks for the user: also that it does not pass
-/// `find_fault`, neither with [accuracy] nor with cells of any of several sizes. Throws InputError.
+/// Writes the scene, which must not exist yet, and returns remarks for the user: also that it fails `find_fault`, with
+/// [accuracy] and with all tried cell sizes. Throws InputError.
 std::string init_scene(const InitOptions& options, const FindFault& find_fault = {});
 
 /// Parses an integer from fewest_init_cells to most_init_cells; throws InputError.

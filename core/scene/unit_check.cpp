@@ -15,7 +15,7 @@ std::string allowed_units(const Unit& unit, const std::string& allowed) {
   return allowed + (units.empty() ? "; no unit" : "; units: " + units);
 }
 
-/// Number at k, without a sign: where it ends; k if there is none.
+/// Number at k, without a sign: where it ends; k if none.
 std::size_t end_of_number(const std::string& text, std::size_t k) {
   if (k >= text.size() || !(std::isdigit(static_cast<unsigned char>(text[k])) || text[k] == '.')) return k;
   double value = 0;
@@ -33,8 +33,8 @@ bool is_behind_number(const std::string& text, std::size_t k) {
   return k == 0 || std::string("(+-*,?:\"").find(text[k - 1]) != std::string::npos;
 }
 
-/// The unit of a divisor ("188/4 N") that was meant for the quotient, with which the dimension is the wanted one: what
-/// that is and how to write it; "" if it is something else.
+/// Explains the unit of a divisor ("188/4 N") that fits as that of the quotient, and how to write it; "" if it is
+/// something else.
 std::string unit_of_divisor(const std::string& text, const Dimension& found, const Dimension& wanted) {
   for (std::size_t slash = text.find('/'); slash != std::string::npos; slash = text.find('/', slash + 1)) {
     const std::size_t number = text.find_first_not_of(' ', slash + 1), end = end_of_number(text, number);

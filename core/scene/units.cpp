@@ -136,7 +136,7 @@ std::size_t skip_blanks(const std::string& text, std::size_t k) {
   return k;
 }
 
-/// Exponent at k ("^2", "^-1", a superscript), and moves k behind it; 1 if there is none.
+/// Exponent at k ("^2", "^-1", a superscript), and moves k behind it; 1 if none.
 int read_exponent(const std::string& text, std::size_t& k) {
   for (const int power : {2, 3}) {
     const char* const sign = power == 2 ? "\u00b2" : "\u00b3";

@@ -28,7 +28,7 @@ struct Unit {
 };
 
 /// Returns the length of the unit in the text from `begin` on: names with exponents between "*" and "/", or "1/..."; 0
-/// if there is none. `names`: those of the units in it, the first one aside where it does not follow a "/".
+/// if none. `names`: those of the units in it, the first one aside where it does not follow a "/".
 std::size_t length_of_unit(const std::string& text, std::size_t begin, Unit* unit = nullptr,
                            std::vector<std::string>* names = nullptr);
 

@@ -12,7 +12,7 @@ struct ContactOptions {
   /// trilinear shape functions, which the patch test needs.
   int quadrature_order = 2;
   /// A pair sees its closest points and that much beyond them, of the larger cells and of the smaller body's longest
-  /// extent, whichever is more. Approaches larger than that are found after the solve (Simulation::run).
+  /// extent, whichever is more. Larger approaches are found after the solve (Simulation::run).
   double reach_in_cells = 2, reach_in_extents = 0.05;
   /// Gap of bonded faces, in the larger cells, up to which they are tied; from `bond_gap` on with a warning.
   double bond_reach = 0.25, bond_gap = 0.01;

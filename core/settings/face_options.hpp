@@ -11,8 +11,8 @@ struct FaceOptions {
   int patches_per_cell_2d = 16, patches_per_cell_3d = 12;
   /// Distance beyond the closed groups within which open ones count for the far field.
   double reach = 4;
-  /// Bounds of how short the far field's details are: as long as the groups' mean gaps allow, which are off by a
-  /// fraction `gap_error` of what the compliance's curvature and the pressure change them by in a cell.
+  /// Bounds of the length of the far field's details: as long as the groups' mean gaps allow, which are off by a
+  /// fraction `gap_error` of their change in a cell by the compliance's curvature and the pressure.
   double shortest_details = 0.5, longest_details = 1.5, gap_error = 0.045;
   /// Open groups so far away count exp(-1/2).
   double fall = 2;

@@ -8,8 +8,8 @@ namespace cgcontact {
 struct ResultOptions {
   // Constants of the method.
 
-  /// Cells across a zone below which neither its pressure nor the estimate of its error can be relied on, and those
-  /// that are recommended, five over half the width or the radius (docs/recovery.md, "Error figures").
+  /// Cells across a zone below which its pressure and error estimate are unreliable, and recommended ones, five over
+  /// half the width or the radius (docs/recovery.md, "Error figures").
   double least_cells_across = 5, wanted_cells_across = 10;
   /// The same where problems on the faces give all of the pressure (docs/accuracy.md, "The pressure on the face").
   double least_cells_on_face = 3;
@@ -19,13 +19,13 @@ struct ResultOptions {
   /// Fraction of the transmitted force by which the integral of the recovered pressure may be off without a warning.
   double lost_force = 0.15;
   /// Fraction of the loads on a face or a body by which the quadrature of their expressions may be off without a
-  /// warning: a tenth of the smallest accuracy that is asked for in general, 1 %.
+  /// warning: a tenth of the usual best accuracy, 1 %.
   double lost_load = 1e-3;
   /// Fractions of a contact's force above which the result is marked: by which the forces on its bodies do not balance;
   /// which what holds otherwise unresisted motions takes. The accuracy of what is called known, and a coarse one.
   double largest_imbalance = 0.01, largest_hold = 0.05;
-  /// Fraction of the integral of a contact's pressure that its estimated errors may add up to: beyond a half nothing is
-  /// known of it but the order of magnitude. Scenes with a known answer have 0.04 at most.
+  /// Fraction of the integral of a contact's pressure that its estimated errors may add up to: beyond a half only the
+  /// order of magnitude is known. Scenes with a known answer have 0.04 at most.
   double largest_error = 0.5;
   /// Strain whose terms of second order, which the theory leaves out, are some 5 % of those that it keeps.
   double largest_strain = 0.05;
@@ -39,8 +39,8 @@ struct ResultOptions {
 
   /// Width of the Gaussian of the local mean, the larger one of both bodies' cells there.
   double mean_width = 1;
-  /// So near to the border between closed and open points, such cells, the solution's zone of whole groups spoils the
-  /// transmitted pressure, and no polynomial follows how the pressure ends.
+  /// Distance from the border between closed and open points, cells, within which whole groups spoil the transmitted
+  /// pressure, and no polynomial follows its end.
   double spoilt_at_edge = 1.5;
   /// Largest ratio of the force's error to the square of the energy norm's, where a zone ends inside the faces: its
   /// ends lie at whole contact groups there.

@@ -370,8 +370,8 @@ void part(TriangleSoup& soup) {
   soup = std::move(parted);
 }
 
-/// Gives each two neighbours at an edge that others have as well a middle of their own: where the fans about both ends
-/// are one, the ends cannot be parted.
+/// Gives pairs of neighbours at a shared edge a middle of their own: where the fans about both ends are one, the ends
+/// cannot be separated.
 void split_common_edges(TriangleSoup& soup) {
   for (bool more = true; more;) {
     more = false;

@@ -1,5 +1,5 @@
 /// Checks that a surface of triangles is the boundary of a body. Small defects with one obvious repair are repaired and
-/// counted, everything else is an error that says what and where.
+/// counted, others are errors that say what and where.
 #pragma once
 
 #include <string>

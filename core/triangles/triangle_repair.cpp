@@ -244,8 +244,8 @@ int drop_flat_shells(double size, TriangleSoup& soup) {
   return static_cast<int>(std::count(is_flat.begin(), is_flat.end(), char{0}));
 }
 
-/// Shells whose boxes meet as one body, cut along all crossings; cavities are taken away. Where rounding of the cuts
-/// leaves crossings or needles it is cut again, with points a little farther from each other merged.
+/// Unites shells whose boxes meet, cut along all crossings, without cavities. Where rounding leaves crossings or
+/// needles it is cut again, merging points a little farther apart.
 TriangleSoup unite(const std::vector<const Shell*>& solids, const std::vector<const Shell*>& cavities, double size,
                    const std::string& file, SurfaceRepair& repair) {
   TriangleSoup outer = joined(solids), hollows = joined(cavities), body;
