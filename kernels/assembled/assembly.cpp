@@ -189,7 +189,7 @@ NodeGraph make_graph(const ExecSpace& exec, const std::vector<BodyParts>& bodies
   return {begin, column};
 }
 
-/// Entries of the rows of a node: three rows of blocks, one after the other.
+/// Entries of the rows of a node: three rows of blocks, in turn.
 struct RowValues {
   NodeGraph graph;
   typename LocalMatrix::values_type value;

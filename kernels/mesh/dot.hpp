@@ -6,8 +6,8 @@
 namespace cgcontact {
 
 /// Sums x(i) y(i), in double precision, over all entries of two views of the same length that `exec` reaches. Blocks of
-/// fixed size are summed side by side and their sums added in order, so that the result is the same to the last bit on
-/// any number of threads (Kokkos' own reductions add what each thread has).
+/// fixed size are summed side by side and their sums added in order, so that the result is bitwise the same on any
+/// number of threads (Kokkos' own reductions add what each thread has).
 template <class Exec, class X, class Y>
 double dot(const Exec& exec, const X& x, const Y& y) {
   constexpr int block = 4096, lanes = 16;  // independent sums: one would wait for the previous addition every time

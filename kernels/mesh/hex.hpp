@@ -72,7 +72,7 @@ struct HexElement {
   static constexpr int nodes_per_face = nodes_per_line * nodes_per_line;
   static constexpr int num_nodes = nodes_per_line * nodes_per_face;
   static constexpr int num_dofs = dofs_per_node * num_nodes;
-  /// Gauss rule per direction whose points, with weights fitted to the moments of a cut cell, integrate the stiffness
+  /// Gauss rule whose points, with weights fitted to the moments of a cut cell, integrate the stiffness
   /// exactly: products of two gradients are of degree 2 * degree per variable.
   using Gauss = std::conditional_t<degree == 1, Gauss3, Gauss5>;
 

@@ -48,7 +48,7 @@ std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std:
   return faces;
 }
 
-/// Joins the lists of all levels one after the other.
+/// Joins the lists of all levels in turn.
 void join_parts(BodyMesh& mesh) {
   int level = 0;
   for (const BodyMesh& part : mesh.parts) {

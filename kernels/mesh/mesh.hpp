@@ -31,8 +31,8 @@ struct LevelFace {
 /// num_nodes).
 ///
 /// A body of several levels has a mesh for each (`parts`), on a grid of one level, with its own numbers for all corners
-/// of its cells; the body's own lists are those of the levels one after the other. Where levels meet, nodes are
-/// constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane strain
+/// of its cells; the body's own lists are those of the levels in turn. Where levels meet, nodes are constrained: those
+/// that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane strain
 /// (Grid::plane_strain) those of the upper side are.
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
@@ -103,8 +103,8 @@ struct BodyMesh {
     if (is_axisymmetric()) return motion == grid.axis_of_revolution();
     return motion < 3 ? motion != grid.plane_strain : motion - 3 == grid.plane_strain;
   }
-  /// Returns the number of free degrees of freedom: neither constrained nor zero by plane strain or an axis of
-  /// revolution; the motions of a rigid body.
+  /// Counts the free degrees of freedom: neither constrained nor zero by plane strain or an axis of revolution; the
+  /// motions of a rigid body.
   int num_free_dofs() const;
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
   /// Returns the number, among the nodes of all bodies, of the node at a position of the grid, or -1. A body of one

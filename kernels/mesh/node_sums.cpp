@@ -3,7 +3,7 @@
 namespace cgcontact {
 namespace {
 
-/// Nodes that one thread sums, one after the other.
+/// Nodes that one thread sums, in turn.
 constexpr int block = 4096;
 
 /// Positions of the nodes where kernels read them: the host's, where they reach it.

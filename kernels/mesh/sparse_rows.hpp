@@ -9,7 +9,7 @@ namespace cgcontact {
 
 using SparseRow = std::vector<std::pair<int, double>>;  ///< (number, coefficient)
 
-/// Rows one after the other: those of row i are begin[i] .. begin[i + 1] - 1.
+/// Rows in turn: those of row i are begin[i] .. begin[i + 1] - 1.
 struct CompressedRows {
   std::vector<int> begin{0}, number;
   std::vector<double> coefficient;

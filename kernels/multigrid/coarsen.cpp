@@ -67,8 +67,7 @@ const Moments& moments_of(const CutCells& cells, int active) {
   return cut < 0 ? full_cell_moments() : cells.moments[cut];
 }
 
-/// Children of a cell, -1 where there is none. Those of a quadtree stand for the ones beside them across, too: nothing
-/// depends on where they are, and the cell is as full as they are.
+/// Children of a cell, -1 where there is none. Those of a quadtree also stand for the ones beside them across.
 std::array<int, 8> children_of(const CutCells& fine, const Index3& c) {
   std::array<int, 8> children;
   const int twins = fine.grid.is_quadtree() ? 1 << fine.grid.plane_strain : 0;

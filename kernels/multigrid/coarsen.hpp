@@ -62,8 +62,8 @@ struct Transfer {
 
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse);
 
-/// From the contact rows of a grid to those of the next: restricted by P^T and merged per coarse cell of the coarser
-/// body. Knows the rows of P at the nodes of contact rows; the grids themselves have served.
+/// Coarsening of contact rows: restricted by P^T and merged per coarse cell of the coarser body. Keeps the rows of P at
+/// their nodes instead of the grids.
 class RowCoarsening {
  public:
   RowCoarsening() = default;

@@ -22,7 +22,7 @@ using Real = float;
 using LevelVector = Kokkos::View<Real*, MemSpace>;
 
 /// Steps of the Lanczos estimate of the largest eigenvalue, and its margin. In two dimensions 8 steps found 0.98 of it,
-/// and an estimate that is 20 % low took twice the iterations.
+/// and 20 % too low took twice the iterations.
 constexpr int lanczos_steps = 10;
 constexpr double eigenvalue_margin = 1.1;
 
@@ -107,8 +107,8 @@ struct Multigrid::Impl {
     choose_grids();
     for (const auto& level : levels) report.unknowns.push_back(level->whole->num_dofs());
     report.cycles.assign(levels.size(), 0);
-    // Operators have what they need of the cells once they are made: coarse ones go before the fine ones take most
-    // memory; the coarsest is assembled again and again.
+    // Coarse cells go once their operators are made, before the fine ones take most memory; the coarsest is assembled
+    // repeatedly.
     for (std::size_t l = levels.size(); l-- > 0;) {
       Level& level = *levels[l];
       const int n = level.system->num_dofs();

@@ -1,5 +1,5 @@
-/// Grids of the hierarchy on several ranks: who owns what on each, and the transfer in the numbers of a rank. Grids of
-/// few unknowns are computed by every rank, whole: what arrives there is gathered.
+/// Grids of the hierarchy on several ranks: who owns what on each, and the transfer in the numbers of a rank. Every
+/// rank computes grids of few unknowns whole, from gathered vectors.
 #pragma once
 
 #include <memory>

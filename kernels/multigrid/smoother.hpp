@@ -18,8 +18,8 @@ namespace cgcontact {
 struct SupportRows {
   std::vector<GroupRow> rows;
   std::vector<double> stiffness;
-  /// Contributions to the node blocks (node, block), where masters get of a constrained node its own block alone
-  /// (FastOperator::diagonal_blocks): the rows on the masters themselves would be more than is there.
+  /// Contributions to the node blocks (node, block), where masters get a constrained node's own block alone
+  /// (FastOperator::diagonal_blocks), less than the rows on the masters themselves.
   std::vector<std::pair<int, Mat3>> blocks;
 };
 template <class Real>

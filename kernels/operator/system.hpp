@@ -55,14 +55,13 @@ struct ElasticSystem {
   std::vector<int> constraint_of_node;
   std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain, away from axes of revolution on them
 
-  /// Returns the meshes that the kernels run on, one after the other: bodies of one level, and the levels of the
-  /// others.
+  /// Returns the meshes that the kernels run on, in turn: bodies of one level, and the levels of the others.
   std::vector<const BodyMesh*> parts() const;
   /// Returns the level that holds an active cell of a body, and the cell's number there.
   std::pair<int, int> part_of(int body, int cell) const;
 
   int num_dofs() const { return dofs.num_dofs(); }
-  /// Returns the number of degrees of freedom that neither constraints nor plane strain give.
+  /// Counts the degrees of freedom that neither constraints nor plane strain give.
   int num_free_dofs() const;
   bool is_zero(int dof) const;
   /// Return whether this rank computes forces on a node, on one of this cell of a level.

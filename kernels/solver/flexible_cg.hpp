@@ -16,8 +16,8 @@
 
 namespace cgcontact {
 
-/// Returns x . y of vectors of one column, the same to the last bit on any number of threads. Collective: one of the
-/// two is zero at ghosts.
+/// Returns x . y of vectors of one column, bitwise the same on any number of threads. Collective: one of the two is
+/// zero at ghosts.
 double ordered_product(const TpetraVector& x, const TpetraVector& y);
 
 /// Iteration on the current right-hand side of a linear problem, from its initial residual.
@@ -78,8 +78,8 @@ class FlexibleCgSolMgr : public Belos::SolverManager<double, TpetraVector, Tpetr
   void setProblem(const Teuchos::RCP<Problem>& problem) override { problem_ = problem; }
   void reset(Belos::ResetType type) override;
 
-  /// Solves for each right-hand side, one after the other, from the problem's initial guess. Throws
-  /// std::invalid_argument unless the problem is set.
+  /// Solves for each right-hand side, in turn, from the problem's initial guess. Throws std::invalid_argument unless
+  /// the problem is set.
   Belos::ReturnType solve() override;
 
   /// Iterations of all right-hand sides of the last solve; the largest of their relative residuals.

@@ -34,8 +34,8 @@ class LinearSolver {
                int shared_unknowns = -1, LinearMethod method = LinearMethod::flexible_cg);
   ~LinearSolver();
 
-  /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
-  /// follows the changes, MueLu is set up anew when they are large).
+  /// Updates the stiffness of the contact groups; the first call sets the preconditioner up (multigrid follows changes,
+  /// MueLu is set up anew for large ones).
   void update();
   /// Switches to MueLu from the next update on, if the preconditioner is multigrid; false: it is MueLu already.
   bool fall_back();
@@ -57,8 +57,8 @@ class LinearSolver {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Starts Kokkos and Tpetra (and MPI underneath) unless they run already, and then stops them at the end of its life.
-/// threads = 0: the backend's default. Of several ranks called by all.
+/// Starts Kokkos and Tpetra (and MPI underneath) unless they run, and stops them at the end of its life. threads = 0:
+/// the backend's default. Collective.
 class TrilinosScope {
  public:
   explicit TrilinosScope(int threads);
