@@ -80,7 +80,7 @@ class FitDispatch {
   }
 
   /// Solves in batches. A batch is a team; its work space is the team's scratch memory, and where that is too small,
-  /// for hundreds of rows, a view that the batches use one after the other.
+  /// for hundreds of rows, a view that the batches use in turn.
   void solve(const Numbers& order, int n, int most_rows, Solver solver, const Numbers& left) const {
     Input* const patches = patches_;
     FitStatus* const status = status_;

@@ -45,8 +45,8 @@ class PatchClass {
     status_ = new_view<decltype(status_)>("cgcontact::constrained_fits::status", size);
   }
 
-  /// Fits without constraints. Patches whose cells do not carry a polynomial are of this class no longer: those whose
-  /// own cells do not even carry a linear one are singular, `others` gets the others.
+  /// Fits without constraints. Patches whose cells do not carry the polynomial leave this class: without even a linear
+  /// one they are singular, else go to `others`.
   void fit(std::vector<int>& others);
   /// Adds the rows and enforces them.
   void constrain(const PatchRows& rows);

@@ -218,8 +218,8 @@ class PairFace {
     each_product(all, [&](int m, int n, double mass) { carried[m] += mass * pressure[n]; });
   }
 
-  /// Moves the forces of unmarked nodes to the nodes of the cells around, step by step; what blocked nodes get, and
-  /// what has not reached a marked one then, is lost.
+  /// Moves the forces of unmarked nodes to the nodes of the cells around, step by step; what blocked nodes get, or does
+  /// not reach a marked one, is lost.
   void step_aside(const std::vector<char>& marked, const std::vector<char>& blocked, std::vector<double>& force) const {
     const std::vector<char> all(nodes.size(), 1);
     std::vector<double> moving(nodes.size(), 0.0), next;

@@ -44,7 +44,7 @@ int least_cells(const CutCells& cc, const CellPlace& c) {
 }
 
 /// Cells across a body at its contact face, and at half of the depth below it, most_rings cells at most: curved bodies
-/// are thin along their face where a grid plane touches it, not below. 0: no closed contact.
+/// are thin along their face at tangent grid planes, not below. 0: no closed contact.
 struct CellsAcross {
   char at_face = 0, below = 0;
 
@@ -55,8 +55,8 @@ struct CellsAcross {
   }
 };
 
-/// The fullest of the cells of its size beside the given one; of equals the nearest one, of those the one towards the
-/// middle of the body, in its mirror image as well.
+/// Returns the fullest of the cells of its size beside the given one; of equals the nearest one, of those the one
+/// towards the middle of the body, in its mirror image as well.
 int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
   const Index3& c = cc.cells[cell];
   int fullest = cell;

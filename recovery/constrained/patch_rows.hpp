@@ -1,5 +1,5 @@
-/// Constraint rows of patches (paper, equations 4, 5, 12, 13): tractions that are known, zero shear and equal pressure
-/// at contact, bonded faces. Host code: it asks faces, profiles and expressions.
+/// Constraint rows of patches (paper, equations 4, 5, 12, 13): known tractions, zero shear and equal pressure at
+/// contact, bonded faces. Host code, for faces, profiles and expressions.
 #pragma once
 
 #include "recovery/batched/batched_fit.hpp"
@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Rows of some patches, one after the other.
+/// Rows of some patches, in turn.
 template <int bodies>
 struct RowList {
   std::vector<FitRow<bodies>> rows;

@@ -1,5 +1,5 @@
-/// The patches of the contact face on which the pressure of one zone is sought: a regular grid in two coordinates along
-/// the face, m. In plane strain it has one row, along the zone.
+/// Patches of the contact face for the pressure of one zone: a regular grid in two coordinates along the face, m. In
+/// plane strain it has one row, along the zone.
 #pragma once
 
 #include <Eigen/Core>

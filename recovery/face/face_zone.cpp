@@ -158,8 +158,8 @@ std::vector<double> changes_of_curvature(const FaceZone& zone) {
   return changes;
 }
 
-/// Returns by how much the pressure differs from its mean over a cell, Pa, at the patches, as far as it does: that is
-/// the half-spaces' alone, and a body whose face goes over into another one there is none.
+/// Returns the difference of the pressure from its mean over a cell, Pa, at the patches: it is the half-spaces' alone,
+/// and a body whose face goes over into another one is none.
 std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   std::vector<double> pressure(square.size());

@@ -29,7 +29,7 @@ class KnownPressures {
   virtual std::optional<double> square(int pair, int body, const Vec3& x, const Vec3& n) const = 0;
   /// Returns whether there is such a problem for any zone of the pair.
   virtual bool has_zone(int pair) const = 0;
-  /// Finds the edge of a zone of the pair near x (m, global axes); false if there is none in reach.
+  /// Finds the edge of a zone of the pair near x (m, global axes); false if none in reach.
   virtual bool edge_near(int pair, const Vec3& x, EdgePiece& piece) const = 0;
 };
 

@@ -45,8 +45,8 @@ KOKKOS_FORCEINLINE_FUNCTION constexpr int quartic_along(int i, int b, int c) {
   return axis == 0 ? quartic_index(i, b, c) : axis == 1 ? quartic_index(b, i, c) : quartic_index(b, c, i);
 }
 
-/// Adds to `moments` those about a centre at `d` along the axis: the binomial theorem, power by power, so that the
-/// loops run over monomials of one power along the axis.
+/// Adds to `moments` those about a centre at `d` along the axis: the binomial theorem, in loops over monomials of one
+/// power along the axis.
 template <int axis>
 KOKKOS_FORCEINLINE_FUNCTION void add_moments(const double* from, double d, double* moments) {
   constexpr int binomial[5][5] = {{1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1}};
