@@ -38,8 +38,8 @@ constexpr double step = 1.03;
 constexpr double worth_a_fall = 10;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
 constexpr double dearer = 1.2;
-/// Times max_time at which a solve that may be given up is: a forecast that is a little too short loses no solve, and
-/// what cannot be interrupted still ends within a fifth of max_time.
+/// Times max_time at which a solve that may be given up is: slightly short forecasts lose no solve, and what cannot be
+/// interrupted ends within a fifth of max_time.
 constexpr double give_up = 1.1;
 /// Fraction of a run's time that one solve beside it must take to be reported.
 constexpr double told_part = 0.01;
@@ -197,8 +197,8 @@ double AdaptiveRun::excess(double allowed) {
   return time;
 }
 
-/// Returns whether the next grid is the last one again, though the targets are not met: sizes are rounded to halvings,
-/// and where all cells have one size, all of them the same way.
+/// Returns whether the next grid is the last one again, with targets not met: sizes are rounded to halvings, with one
+/// cell size all the same way.
 bool AdaptiveRun::stands_still() const {
   const SolveFigures& last = figures_.solves.back();
   double smallest = 1e300;
@@ -283,8 +283,8 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
 /// Returns whether a solve is to be given up: time is over, and there is a solution already.
 bool AdaptiveRun::is_out_of_time() const { return has_solution() && seconds() > give_up * given_.accuracy.max_time; }
 
-/// Makes the next solve the present one. One that is worse by its estimates and does not meet the targets is none to
-/// show: the better one before it is kept.
+/// Makes the next solve the present one. One with worse estimates that misses the targets does not replace the better
+/// one.
 void AdaptiveRun::keep(const SolveFigures& solve, const ErrorFigures& errors) {
   const auto now = missing_factor(given_.accuracy, solve);
   const double factor = now.value_or(std::numeric_limits<double>::infinity());
@@ -328,8 +328,8 @@ void AdaptiveRun::forget_energies() {
   energies_.clear();
 }
 
-/// Solves on the next grid and estimates its errors. It becomes the present one, unless that has a solution and the
-/// next one has not. Throws OutOfTime where that is over.
+/// Solves on the next grid and estimates its errors. It becomes the present one, unless only that has a solution.
+/// Throws OutOfTime.
 ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   const double before = seconds() - seconds_of_phases(next_->results, {"cut cells"});
   EarlierSolution earlier;

@@ -1,5 +1,5 @@
-/// A run whose parameter is the accuracy: solves on grids that refine themselves until the estimated errors are below
-/// the targets of [accuracy], or a limit is reached. The method: docs/adaptivity.md.
+/// Run to an accuracy: solves on grids that are refined until the estimated errors are below the targets of [accuracy],
+/// or a limit is reached. The method: docs/adaptivity.md.
 #pragma once
 
 #include <chrono>

@@ -11,8 +11,8 @@
 namespace cgcontact {
 namespace {
 
-/// Nodes of the coarsest grid, about; it has at most 1/64 of the given one's, so that where it finds narrow zones, of
-/// which the given cells have few rows, its solve is lost without being missed.
+/// Nodes of the coarsest grid, about; at most 1/64 of the given one's, so that its solve costs little where it finds
+/// narrow zones, with few rows of the given cells.
 constexpr double least_nodes = 1000;
 constexpr int least_halvings = 2;
 /// Outer residual of a solution to start from: it is that of other cells, which are off by more.

@@ -20,8 +20,8 @@ struct Preparation {
 /// Throws InputError for a setting out of its range; the scene reader lets none pass, a program may set one.
 void check_settings(const Scene& scene);
 
-/// Throws InputError, also if the scene would clearly not fit into memory; refuse_near_limit: or by little, as far as
-/// an estimate of a second or two says. The two steps in one:
+/// Throws InputError, also if the scene would clearly not fit into memory; refuse_near_limit: or by little, by an
+/// estimate of a second or two. The two steps in one:
 Preparation prepare(const Scene& scene, bool refuse_near_limit = true);
 /// Prepares what can be drawn, whether the scene can be solved or not.
 Preparation lay_out(const Scene& scene, bool refuse_near_limit = true);

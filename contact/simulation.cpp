@@ -272,8 +272,8 @@ void Simulation::hold_wanderers() {
   make_system();
 }
 
-/// Returns whether a body that nothing drives slid or spun along surfaces until its contact let go. Points of few cells
-/// push it along, which exact contact does not.
+/// Returns whether a body that nothing drives slid or spun along surfaces until its contact let go. Unlike exact
+/// contact, points of few cells push it along.
 bool Simulation::lost_by_wandering(const std::string& fault) const {
   if (fault.empty() && contact_carries(state)) return false;
   return SurfaceWanderers(state.bodies, state.supports, state.pairs).farthest(state.outer.rigid_parts) > at_rest;

@@ -21,8 +21,8 @@ GridSizes first_sizes(const Scene& scene);
 /// Halves all first cells.
 void halve(GridSizes& sizes);
 
-/// Returns the scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: of
-/// each body, surely more are refused (BodySpec).
+/// Returns the scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: limit
+/// of each body (BodySpec).
 std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1,
                                       double most_cells = std::numeric_limits<double>::infinity());
 

@@ -13,8 +13,8 @@
 namespace cgcontact {
 namespace {
 
-/// Cells: closed groups are of one zone if their centres are no farther apart; groups so far from them may hold its
-/// overlap, which is wider than the zone.
+/// Cells: closed groups of one zone have centres no farther apart; groups within the second distance may hold its wider
+/// overlap.
 constexpr double connected = 2, around = 3;
 /// Cells: a plane of symmetry so near to a zone's centre cuts it.
 constexpr double near_plane = 1.5;

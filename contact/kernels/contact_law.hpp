@@ -6,8 +6,8 @@
 
 namespace cgcontact {
 
-/// p = [p* - k g]_+ with the lagged pressure p* (Pa) and the gap g (m, overlaps negative); where it is bonded it also
-/// pulls, p = p* - k g. In any units in which p*, k g and p have the same.
+/// p = [p* - k g]_+ with the lagged pressure p* (Pa) and the gap g (m, overlaps negative); bonded it also pulls, p = p*
+/// - k g. Any units common to p*, k g and p.
 struct NormalContact {
   double k = 0;         ///< Pa/m
   bool bonded = false;  ///< also pulls

@@ -1,5 +1,5 @@
-/// Quadrature points of contact pairs, one array per quantity: the points of all pairs lie one after the other, so that
-/// kernels run over all of them, and each pair has its slice.
+/// Quadrature points of contact pairs, one array per quantity: kernels run over the points of all pairs, and each pair
+/// has its slice.
 #pragma once
 
 #include <iterator>
@@ -113,8 +113,7 @@ class ContactPoints {
   Iterator begin() const { return {*this, 0}; }
   Iterator end() const { return {*this, size_}; }
 
-  /// Puts the points of several pairs into the same arrays, one after the other, unless they lie so already; returns
-  /// these.
+  /// Puts the points of several pairs into the same arrays, in turn, unless they lie so already; returns these.
   static HostContactPoints join(const std::vector<ContactPoints*>& pairs);
 
  private:

@@ -1,6 +1,6 @@
 /// Kernels over contact groups: gaps, forces, stiffness, which points are closed. One thread per group goes over its
-/// points in their order, so that results are the same to the last bit on any number of threads. All views are in
-/// memory that `exec` reaches; m, Pa, N unless a view says otherwise.
+/// points in their order, so that results are bitwise the same on any number of threads. All views are in memory that
+/// `exec` reaches; m, Pa, N unless a view says otherwise.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct ZoneForce {
   KOKKOS_INLINE_FUNCTION double at(double g) const { return force - stiffness * (g - gap); }
 };
 
-/// Groups of all pairs, one after the other, and their points.
+/// Groups of all pairs, in turn, and their points.
 template <class Memory>
 struct ContactGroupArrays {
   using Values = Kokkos::View<double*, Memory>;

@@ -1,6 +1,6 @@
 /// Rows of the mean gap change of contact groups: how far the unknowns of both bodies separate the points of a group,
 /// weighted by area. Counted, scanned, filled; the contributions to one unknown are added in the order of the points,
-/// so that rows are the same to the last bit on any number of threads.
+/// so that rows are bitwise the same on any number of threads.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 /// Kernels over support points and over the nodes that supports and contact act on. Sums over points run node by node
-/// in the order of the points: the same to the last bit on any number of threads.
+/// in the order of the points: bitwise the same on any number of threads.
 #pragma once
 
 #include "contact/kernels/group_kernels.hpp"

@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// A direction with a larger cosine with the normal of a face holds that normal: what acts along the normal there is no
-/// contact pressure (the results use the same).
+/// A direction with a larger cosine with the normal of a face holds that normal: that is no contact pressure (the
+/// results use the same).
 constexpr double holds_normal = 1e-3;
 /// Fraction of a contact face on which a support may lie by the rim of a declared face.
 constexpr double rim = 0.01;

@@ -50,8 +50,8 @@ int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
   return finest;
 }
 
-/// Returns planes of the other grid that cross a cell, in the cell's grid coordinates: those of the smallest cells near
-/// it, so that every boundary piece in the cell sees one cell only.
+/// Returns planes of the other grid that cross a cell, in the cell's grid coordinates: those of the smallest cells
+/// nearby, so that every boundary piece sees one cell only.
 std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCells& other_cells) {
   const Grid &grid = own.grid, &other = other_cells.grid;
   const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);
@@ -91,7 +91,7 @@ bool is_own_plane(const Solid& solid, const Plane& plane) {
 }
 
 /// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there
-/// a plane face of the other body may end, and with it the contact.
+/// a plane face of the other body, and with it the contact, may end.
 std::vector<Plane> other_face_borders(const BodyModel& body, int cell, int surface, const BodyModel& other) {
   const Surface& own = body.cut_cells.solid.surfaces()[surface];
   std::vector<Plane> planes;

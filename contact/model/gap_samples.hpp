@@ -1,5 +1,5 @@
 /// Gap between two bodies point by point over one group of a contact pair, finer than its quadrature points: edges,
-/// corners and triangles of either body that lie between these are found.
+/// corners and triangles of either body between these are found.
 #pragma once
 
 #include <memory>

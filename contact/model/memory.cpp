@@ -13,8 +13,8 @@
 namespace cgcontact {
 namespace {
 
-/// Cells of the coarse grid from which sizes are estimated, and of the finer one where the first estimate is near what
-/// there is: a second or two, and the sizes within some 3 %, most of them below 1 %.
+/// Cells of the coarse grid from which sizes are estimated, and of the finer one where that is near the limit: a second
+/// or two, sizes within some 3 %, most below 1 %.
 constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 25;
 /// So near, as a factor.
 constexpr double near_limit = 1.4;

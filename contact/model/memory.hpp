@@ -31,7 +31,7 @@ struct MemoryExtras {
   std::optional<PointNumbers> points;  ///< unknown: as many as most scenes have on that number of cut cells
   bool pictures = true;
   bool pictures_of_steps = false;
-  bool fields_beside_pictures = false;  ///< VTK files are made at the same time: on several threads
+  bool fields_beside_pictures = false;  ///< VTK files are made at once: on several threads
   bool cad = false;                     ///< OpenCASCADE is loaded
 };
 

@@ -13,8 +13,8 @@
 namespace cgcontact {
 namespace {
 
-/// Supports of rigid bodies are that much stiffer: these have no stress that could be lagged, and what is left of a
-/// prescribed displacement falls by that factor in every outer iteration.
+/// Supports of rigid bodies are that much stiffer: these have no stress to lag, and the error of a prescribed
+/// displacement falls by that factor per outer iteration.
 constexpr double firm_on_rigid = 1e4;
 
 }  // namespace

@@ -37,7 +37,7 @@ bool is_crossed(const BodyModel& body, const Vec3& x, const Vec3& n, double low,
 }
 
 /// Returns whether the other body lies between the point and its crossing at t (gap), or ends between them (overlap).
-/// Its crossings up to the point itself count: faces of both bodies in one plane do not touch.
+/// Its crossings up to the point itself count: coplanar faces of both bodies do not touch.
 bool is_hidden(const std::vector<Crossing>& crossings, double t) {
   if (std::abs(t) <= end_tolerance) return false;
   return t > 0 ? any_within(crossings, -end_tolerance, t - end_tolerance)

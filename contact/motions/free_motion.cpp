@@ -49,8 +49,8 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
   return three;
 }
 
-/// Returns the resistance of all contact between other bodies and a body (with those bonded to it), with the normals of
-/// its own surface and with those of the others.
+/// Returns the resistance of a body's contact with others (it and those bonded to it), with the normals of its own
+/// surface and with those of the others.
 std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
                                                      const std::vector<BodyModel>& bodies,
                                                      const std::vector<ContactPair>& pairs,

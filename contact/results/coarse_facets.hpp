@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// Returns a sentence for each body with closed contact on triangles that are wider than a cell and meet at an angle in
-/// what stands for a curved face: the pressure follows the edges between them.
+/// Returns a sentence for each body with closed contact on triangles wider than a cell that stand for a curved face:
+/// the pressure follows their edges.
 std::vector<std::string> coarse_facet_warnings(const SolvedState& state);
 
 }  // namespace cgcontact

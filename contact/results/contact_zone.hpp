@@ -1,5 +1,5 @@
-/// The contact points of the pairs that one body is the primary one of, with the forces that they transmit and their
-/// mirror images behind symmetry planes.
+/// Contact points of a primary body's pairs, with the forces that they transmit and their mirror images behind symmetry
+/// planes.
 #pragma once
 
 #include "recovery/face/symmetry_planes.hpp"

@@ -31,8 +31,8 @@ double imbalance(const BodyBalance& balance);
 /// prescribed displacements. Empty: none.
 std::string contact_fault(const SolvedState& state);
 
-/// Says which pair acts on a face whose normal a support holds (automatic pairs find such faces; named ones are refused
-/// before): what acts there is no contact pressure. Needs contact rows. Empty: none.
+/// Says which pair acts on a face whose normal a support holds (automatic pairs; named ones are refused before): no
+/// contact pressure acts there. Needs contact rows. Empty: none.
 std::string held_contact(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -12,11 +12,11 @@ namespace cgcontact {
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactPoint& point);
 
 /// Returns for each contact of the scene, m, how far it has to see to hold the points inside the other body after the
-/// deformation. Empty if there are none. Contacts with their own search_distance stay.
+/// deformation. Empty if none. Contacts with their own search_distance stay.
 std::vector<double> missed_contact(const SolvedState& state);
 
-/// The smallest gap between the deformed faces of a pair, negative where they overlap: at the faces' boundary points
-/// or, unless they overlap there, between them (edges, corners, tips). Empty: nothing lies opposite.
+/// Finds the smallest gap between the deformed faces of a pair, negative where they overlap: at the faces' boundary
+/// points or, unless they overlap there, between them (edges, corners, tips). Empty: nothing lies opposite.
 struct LeastGap {
   double gap = 0;         ///< m
   Vec3 x = Vec3::Zero();  ///< m
@@ -32,8 +32,8 @@ struct MissedOverlap {
   double cell = 0;        ///< m, size of the larger cell there
 };
 
-/// Returns one for each pair of the results without a closed point whose faces overlap: contact is decided by the mean
-/// gap of groups, so that a smaller zone may be lost. Needs the smallest gaps (open_gaps.hpp).
+/// Returns one for each pair of the results without a closed point whose faces overlap: the mean gap of groups decides
+/// contact, so that a smaller zone may be lost. Needs the smallest gaps (open_gaps.hpp).
 std::vector<MissedOverlap> missed_overlaps(const Results& results);
 
 }  // namespace cgcontact

@@ -17,7 +17,7 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
 bool is_pressed(const ContactRow& row, double largest);
 
 /// Appends the figures of all pairs. A pair without closed points, or whose forces are rounding beside those of the
-/// scene, has no force, area, pressure and centre: all are exactly zero.
+/// scene, has exactly zero force, area, pressure and centre.
 void fill_pair_figures(const SolvedState& state, Results& results);
 
 /// Sums the forces of each pair's groups, N, compression positive; of a shrink fit too, whose resultant is

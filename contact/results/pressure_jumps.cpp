@@ -38,8 +38,8 @@ Around of_row(const ContactRow& row) {
 /// Rows of an undivided branch of the tree.
 constexpr std::size_t few_rows = 8;
 
-/// The rows of one face of a pair, halved again and again across the longest side of their box: what is wholly near a
-/// row counts at once, so that a row costs the rim of its surroundings, not their area.
+/// The rows of one face of a pair, as a tree of halves across the longest side of their box: what is wholly near a row
+/// counts at once, so that a row costs the rim of its surroundings.
 class RowTree {
  public:
   explicit RowTree(const std::vector<ContactRow>& rows) : rows_(rows) {}

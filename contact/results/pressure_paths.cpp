@@ -66,8 +66,8 @@ Vec3 direction_of(const Results& results, const ContactRow& top) {
   return e.normalized() * (e[largest] < 0 ? -1 : 1);
 }
 
-/// Walks along the face within the plane of normal and direction at `top`; visit(row, way) after every step of that
-/// length returns false to stop. Ends with the face and where the walk is back at its beginning.
+/// Walks along the face within the plane of normal and direction at `top`; visit(row, way) after every step returns
+/// false to stop. Ends with the face or back at the beginning.
 template <class Visit>
 void walk(const FaceProjection& project, const ContactRow& top, const Vec3& along, double step, int steps,
           const Visit& visit) {

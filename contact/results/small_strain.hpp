@@ -13,8 +13,8 @@ namespace cgcontact {
 /// value and its position. Limits: principal strain 5 %, displacement 10 % of the body, contact pressure a tenth of E.
 std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results);
 
-/// Returns "", or that a body is strained by more than 100 % and moves farther than it is long: whatever the grid, the
-/// loads are not those that were meant.
+/// Returns "", or that a body is strained by more than 100 % and moves farther than it is long: on any grid these are
+/// not the intended loads.
 std::string beyond_all_grids(const SolvedState& state);
 
 }  // namespace cgcontact

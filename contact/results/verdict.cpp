@@ -61,8 +61,8 @@ ZoneWidth width_between_points(const ContactPair& pair) {
   return {area / cells, largest};
 }
 
-/// Cells across a zone at which its figures can be relied on: fewer where problems on the faces give all of its
-/// pressure, whose errors and estimates hold there (docs/accuracy.md, "The pressure on the face").
+/// Cells across a zone from which on its figures are reliable: fewer where problems on the faces give all of its
+/// pressure (docs/accuracy.md, "The pressure on the face").
 double least_cells_across(const SolvedState& state, int pair) {
   const ResultOptions& options = state.scene.results;
   const bool on_face = state.faces.has_zone(pair) && state.faces.left_out[pair] == 0;

@@ -111,8 +111,8 @@ class Zone {
     return planes;
   }
 
-  /// Returns whether a plane of symmetry of the elastic body completes the rigid one too, which has no stress that
-  /// would need a support: it ends at the plane, or goes on behind it as the zone's mirror image.
+  /// Returns whether a plane of symmetry of the elastic body completes the rigid one too, which needs no support: it
+  /// ends at the plane, or goes on as the zone's mirror image.
   bool mirrors(const SymmetryPlane& plane, const BodyModel& rigid) const {
     const double size = longest_extent(rigid);
     Vec3 low, high;

@@ -127,8 +127,8 @@ class PairZones {
     return {cells / force, width / cells};
   }
 
-  /// Finds the closed point, images left out, that is farthest from the open ones, then the farthest of those beyond
-  /// its neighbourhood, and so on; with the force of the neighbourhood, N.
+  /// Finds the closed point, images left out, that is farthest from the open ones, then the farthest beyond its
+  /// neighbourhood, and so on; with the neighbourhood's force, N.
   std::vector<std::pair<Middle, double> > ridge(const Zone& zone) const {
     std::vector<Middle> points;
     for (const TransmittedForce* f : zone.closed)

@@ -59,7 +59,7 @@ class Friction {
   /// Returns the state of every pair, as after the next end_step().
   std::vector<FrictionPoints> state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
 
-  /// t* of the points of all pairs with friction, one after the other, in Scales::stress: two components, by tangents.
+  /// t* of the points of all pairs with friction, in turn, in Scales::stress: two components, by tangents.
   using Stress = Kokkos::DualView<double* [2], Kokkos::LayoutRight, ExecSpace>;
   Stress stress;
 

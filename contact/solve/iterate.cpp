@@ -7,7 +7,7 @@ namespace cgcontact {
 namespace {
 
 /// Steps of the springs' rest positions that fall by a ratio between these are taken for a geometric series. Below
-/// there is little to gain; above it would be hardly more than a guess.
+/// there is little to gain; above it is a guess.
 constexpr double slow = 0.3, without_end = 0.99;
 
 RealView new_values(const char* label, std::size_t size) {

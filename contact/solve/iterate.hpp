@@ -70,7 +70,7 @@ struct Iterate {
   SmallZones small_zones;
   Friction friction;
   PointValues support_stress;  ///< of each support point, Scales::stress
-  PointValues contact_stress;  ///< p* of the points of all pairs, one after the other, Scales::stress
+  PointValues contact_stress;  ///< p* of the points of all pairs, in turn, Scales::stress
   RealView rigid_gap_change;   ///< of each contact group, m
 
  private:

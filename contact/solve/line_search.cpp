@@ -6,8 +6,8 @@ namespace cgcontact {
 namespace {
 
 constexpr int most_interval_bisections = 30;
-/// With friction, whose rigid motions may go far beyond where a body is held again: until the length is known to a
-/// thousandth. Of the slope at the start of the step: what may be left of it at its end.
+/// Relative tolerance of the length with friction, whose rigid motions may overshoot where a body is held again.
+/// Fraction of the slope at the start of the step that may be left at its end.
 constexpr int most_halvings_with_friction = 60;
 constexpr double length_error = 1e-3, slope_left = 1e-3;
 

@@ -29,8 +29,8 @@ constexpr double hardly_any_stiffness = 1e-3;
 /// Largest sliding of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most
 /// on the scenes of this repository, those that do not 4 to 400 (docs/decisions.md).
 constexpr double farthest_wandering = 3;
-/// Residuals that do not fall so far while no point changes may be the error of the linear solve: the lagged stress
-/// contracts like 2.7 / kappa at worst. The next ones are solved so much better.
+/// Fall of residuals below which, while no point changes, they may be the linear solve's error: the lagged stress
+/// contracts like 2.7 / kappa at worst. The next ones are solved `tighter`.
 constexpr double slow_fall = 0.5, tighter = 0.1;
 /// Iterations, and a residual, after which bodies that still wander by more than the third (cells) are held, if the
 /// residual does not fall by half in two iterations.

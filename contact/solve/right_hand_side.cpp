@@ -63,13 +63,13 @@ void RightHandSide::assemble(const Iterate& iterate) {
   support_amounts(exec_, supports, iterate.rigid_displacements(), iterate.force_unit(), of_stress, of_value);
   Kokkos::deep_copy(exec_, force_, touched_load_);
   add_support_forces(exec_, touched_, supports, of_stress, force_);
-  // The terms kappa E/h (prescribed displacement or gap) are larger than the real forces by orders and nearly cancel
-  // against the solution's; they serve only while no stress is known.
+  // The terms kappa E/h (prescribed displacement or gap) exceed the real forces by orders and nearly cancel against the
+  // solution's; they serve only without a known stress.
   const double forces = norm();
   add_contact_forces(exec_, touched_, iterate.group_forces(false), force_);
   add_support_forces(exec_, touched_, supports, of_value, force_);
-  // Without forces (no load yet, or a motion without stress) rounding of the kappa terms is all there is to measure by:
-  // what they were before rigid motions were set aside.
+  // Without forces (no load yet, or a motion without stress) the scale is rounding of the kappa terms before rigid
+  // motions were set aside.
   kappa_norm_ = std::max(kappa_norm_, norm());
   force_norm_ = forces > 0 ? std::max(forces, no_force * kappa_norm_) : 1e-2 * kappa_norm_;
   put_at_nodes(exec_, touched_, force_, vector_);

@@ -1,5 +1,5 @@
-/// A solved scene: the bodies on their grids, what joins them, the solution and what was recovered from it. The steps
-/// of Simulation (contact/simulation.hpp) fill it; results, error estimates and output only read it.
+/// A solved scene: the bodies on their grids, what joins them, the solution and what was recovered from it. Simulation
+/// (contact/simulation.hpp) fills it; results, error estimates and output only read it.
 #pragma once
 
 #include <vector>
