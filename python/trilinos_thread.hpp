@@ -1,5 +1,5 @@
-/// The thread that Trilinos lives on. OpenMP's threads belong to the thread that called them, and Kokkos 3 refuses all
-/// others; so whatever Python threads ask for runs on this one, one after the other.
+/// Thread of Trilinos. OpenMP's threads belong to the thread that called them, and Kokkos 3 refuses all others; so all
+/// requests of Python threads run here in turn.
 #pragma once
 
 #include <sys/types.h>
@@ -30,8 +30,8 @@ class TrilinosThread {
   /// has threads.
   void run(const std::function<void()>& task);
 
-  /// Runs the question on the thread that waits for the task at work, and waits; called by that task. Meanwhile other
-  /// tasks may run: those that the question asks for. Throws what the question throws.
+  /// Runs the question on the thread that waits for the task at work, and waits; called by that task. Meanwhile the
+  /// question's own tasks may run. Throws what the question throws.
   void ask(const std::function<void()>& question);
 
  private:
