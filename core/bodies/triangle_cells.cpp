@@ -226,8 +226,8 @@ bool settle(Section& section, const Index3& cell) {
   return exact[0] > 0;
 }
 
-/// The rows of cells along x that hold leaves of a level, which lie in divided cells of the level before; of the
-/// coarsest level all rows.
+/// Finds rows of cells along x with leaves of a level, in divided cells of the level before; of the coarsest level all
+/// rows.
 class RowsOfLeaves {
  public:
   RowsOfLeaves(const LeafLevel& leaves, const Index3& num_cells)

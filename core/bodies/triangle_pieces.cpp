@@ -264,8 +264,7 @@ class PointMaker {
   }
 
  private:
-  /// Number of the plane, shared by the coplanar triangles of a patch. Beyond those that get a rule each the planes of
-  /// a patch are only counted.
+  /// Number of the plane, shared by coplanar triangles of a patch. Planes without a rule of their own are only counted.
   int find_plane(int triangle) {
     const Vec3& n = surface_.normal(triangle);
     const Vec3& x = surface_.corner(triangle, 0);

@@ -19,8 +19,8 @@ constexpr double max_sagitta = 0.008;
 constexpr double on_tolerance = 1e-10;
 /// Subdivision of cells that a curved patch crosses.
 constexpr int patch_subdivision = 2;
-/// Patches in a cell that are cut one by one. Each one can double the polyhedra; cells with more are cut at the surface
-/// as a whole.
+/// Patches in a cell that are cut one by one. Each one can double the polyhedra; with more, cells are cut at the whole
+/// surface.
 constexpr std::size_t most_patches = 8;
 /// Volume (cell units) below which polyhedra are rounding only.
 constexpr double min_volume = 1e-25;

@@ -13,8 +13,7 @@ namespace {
 /// Fraction of an edge's length within which points hang on it: small triangles of a curved surface lie beside the edge
 /// of a large one.
 constexpr double beside_edge = 0.05;
-/// Open edges from an end of an edge to the points that hang on it: where both sides have their own points, one leads
-/// beyond the end.
+/// Open edges from an end of an edge to the points that hang on it: with points on both sides one leads beyond the end.
 constexpr std::size_t most_steps = 4;
 
 using Edge = std::uint64_t;

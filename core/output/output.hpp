@@ -20,8 +20,7 @@ struct PageParts;
 /// Returns warnings (e.g. no gnuplot, no pictures), which report.json holds too.
 std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory);
 
-/// The same for a run in steps: the fields of all of them are written too, in steps.vtkhdf and pictures.
-/// Of several ranks all call its functions.
+/// Writer of a run in steps: all fields too, in steps.vtkhdf and pictures. Collective.
 class ResultWriter {
  public:
   /// Takes the scene as it was read; the grids of the solved one may be others.

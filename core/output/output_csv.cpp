@@ -10,8 +10,7 @@ namespace cgcontact {
 
 namespace {
 
-/// Significant digits: results of the same scene in other axes, units or on other machines agree to 1e-9 or so; more
-/// digits are rounding.
+/// Significant digits: results of a scene in other axes, units or on other machines agree to some 1e-9.
 constexpr int digits = 10;
 
 }  // namespace

@@ -9,8 +9,7 @@
 
 namespace cgcontact {
 
-/// Draws both into `directory`, which has a folder `plots`. Without any error there is nothing to draw; then, and if
-/// gnuplot fails, there is a warning.
+/// Draws both into `directory`, which has a folder `plots`. Warns if gnuplot fails or without any error to draw.
 void write_study_plots(const Study& study, const std::string& directory, std::vector<std::string>& warnings);
 
 }  // namespace cgcontact

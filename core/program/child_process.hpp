@@ -23,8 +23,8 @@ class ChildRunner {
   ChildRunner(const ChildRunner&) = delete;
   ChildRunner& operator=(const ChildRunner&) = delete;
 
-  /// Waits for the end of the program. Its standard output and error go to the file `log`, its input is empty; it does
-  /// not outlive this program.
+  /// Waits for the end of the program. Its output and error go to the file `log`, its input is empty; it ends with this
+  /// program.
   ChildOutcome run(const std::string& program, const std::vector<std::string>& arguments, const std::string& log);
 
   /// Returns the signal by which the user asked to stop, or 0.

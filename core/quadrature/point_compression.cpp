@@ -159,8 +159,8 @@ class DenseSolver {
   int n_;
 };
 
-/// Weights of the chosen points that reproduce the integrals of the chosen functions; false if that is not possible
-/// with non-negative ones.
+/// Finds weights of the chosen points that reproduce the integrals of the chosen functions; false if these cannot be
+/// non-negative.
 bool final_weights(const FunctionTable& table, const std::vector<int>& functions, const std::vector<int>& points,
                    const Vector& weights, Vector& solution) {
   const int n = static_cast<int>(points.size());
@@ -235,8 +235,7 @@ void compress_weights(const FunctionTable& functions, std::vector<double>& weigh
 void compress_many_weights(FunctionTable functions, std::vector<double>& weights) {
   orthogonalise(functions, weights);
   const std::size_t n = weights.size(), batch = 2 * static_cast<std::size_t>(functions.num_functions);
-  // Points that follow each other lie near each other, where the functions nearly depend on each other: every batch of
-  // them is from all over.
+  // Batches are from all over: the functions nearly depend on each other at adjacent points.
   const std::size_t parts = 1 + n / batch;
   std::vector<int> order;
   for (std::size_t first = 0; first < parts; ++first)

@@ -219,8 +219,7 @@ struct LoadFigures {
 struct BodyBalance {
   std::string body;
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
-  /// N, that share of `supports` which is none of the scene's: it holds motions that the scene leaves free, exactly
-  /// zero but for the cells.
+  /// N, share of `supports` that holds motions which the scene leaves free: exactly zero but for the cells.
   Vec3 holds = Vec3::Zero();
 };
 
@@ -254,8 +253,8 @@ struct SolveFigures {
   std::vector<double> stress_of_body;  ///< of the bodies of AccuracyFigures::stress_of_body
   /// Errors of AccuracyFigures::named; none: not known, as the pressure.
   std::vector<std::optional<double>> named;
-  /// Relative L2 norm of the change of the pressure since the solve before, the largest of all pairs; none: the zones
-  /// of that were not resolved.
+  /// Relative L2 norm of the change of the pressure since the solve before, the largest of all pairs; none: its zones
+  /// were not resolved.
   std::optional<double> change;
 };
 

@@ -7,8 +7,8 @@
 namespace cgcontact {
 namespace {
 
-/// Points along each side of the box around which a comparison may be linear, and how far around them it must be, of
-/// the box's sides.
+/// Points along each side of the box around which a comparison may be linear, and the fraction of the sides over which
+/// it must be.
 constexpr int samples = 4;
 constexpr double around = 1e-3;
 /// Fraction of the change over that distance that rounding leaves of a linear function. A curved one has about

@@ -9,7 +9,7 @@ namespace {
 constexpr double box_tolerance =
     1e-9;  // of the size of the coordinates: points on the rim of a flat box count as inside
 constexpr double cone_tolerance = 1e-12;
-/// Of the body's longest side: a point on the boundary may be as far outside by rounding.
+/// Fraction of the body's longest side by which a point on the boundary may be outside by rounding.
 constexpr double boundary_tolerance = 1e-9;
 }  // namespace
 

@@ -35,8 +35,8 @@ void read_setting(const TomlCursor& node, const Setting& setting) {
   std::visit(Reader{node, setting}, setting.value);
 }
 
-/// Settings of a section, or of a table in it (`prefix`: "table."); others in tables of it, and the given keys, are
-/// left to the caller.
+/// Reads the settings of a section, or of a table in it (`prefix`: "table."); tables in it and the given keys are left
+/// to the caller.
 void read_settings(const TomlCursor& section, const std::vector<Setting>& settings, const std::string& prefix = "",
                    std::vector<std::string> keys = {}) {
   std::vector<const Setting*> here;

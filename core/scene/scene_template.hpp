@@ -1,5 +1,4 @@
-/// Scenes to start from, for `cgcontact init`: commented, and such that they run as they are, or say what keeps them
-/// from it.
+/// Scenes to start from, for `cgcontact init`: commented; they run as they are or say why not.
 #pragma once
 
 #include <functional>

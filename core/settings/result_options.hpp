@@ -35,7 +35,7 @@ struct ResultOptions {
   /// 4.2).
   double largest_pressure = 0.1;
 
-  // Of the estimated error of the pressure (docs/recovery.md, "Error figures").
+  // Estimated error of the pressure (docs/recovery.md, "Error figures").
 
   /// Width of the Gaussian of the local mean, the larger one of both bodies' cells there.
   double mean_width = 1;
