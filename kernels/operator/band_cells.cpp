@@ -150,8 +150,8 @@ SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
       }
     for (int d = 1; d < 3; ++d)
       if (high[d] - low[d] >= high[body.axis] - low[body.axis]) body.axis = d;
-    // About equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more, one towards
-    // larger cells in both directions.
+    // Chunks of about equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more, one
+    // towards larger cells in both directions.
     const int least_layers = mesh->level_faces.empty() ? 2 : 3;
     std::vector<double> weight(cc.grid.num_cells[body.axis], 0.0);
     double total = 0;
