@@ -429,8 +429,8 @@ struct PressedPair {
   const std::vector<int>& points;  ///< boundary points of the body
 };
 
-/// use(face, pair) for all pairs of a body that carry force and have patches whose own the pressure is: what a load
-/// gives is in balance.
+/// Calls use(face, pair) for all pairs of a body with force and patches with a pressure of their own: that of a load is
+/// in balance.
 template <class Use>
 void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                        const std::vector<double>& plain, const Scales& scales, const PatchStates& states,

@@ -130,8 +130,7 @@ ContactMode mode_of_pair(const PatchContext& context, const PairState& state, co
   return state.is_mixed() ? ContactMode::edge : ContactMode::closed;
 }
 
-/// The pair with the largest closed area of those that want an auxiliary patch; -1: none. A rigid body has no stress to
-/// be continuous with.
+/// Returns the pair with the largest closed area that wants an auxiliary patch; -1: none, as beside a rigid body.
 int coupled_pair(const PatchContext& context, const std::vector<PairState>& states) {
   int coupled = -1;
   for (std::size_t s = 0; s < states.size(); ++s) {

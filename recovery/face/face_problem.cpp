@@ -10,8 +10,8 @@ namespace {
 using Patches = HalfSpace::Patches;
 using Marks = HalfSpace::Marks;
 
-/// Two sums over all patches, each with what it counts (FaceGrid::ring), row by row and the rows in order: the same on
-/// any number of threads.
+/// Sums two values over all patches, each with its weight (FaceGrid::ring), row by row and the rows in order: the same
+/// on any number of threads.
 struct Sums {
   double first = 0, second = 0;
 };

@@ -64,8 +64,7 @@ void each_cell_in(const CutCells& cc, const Vec3& low, const Vec3& high, const U
   CellsInBox<Use>(cc, low, high, use);
 }
 
-/// Calls use(active cell) for those with their middle inside of it: of larger cells at its faces none that reaches out
-/// of it.
+/// Calls use(active cell) for those with their middle inside of it: no larger cells that reach out of it.
 template <class Use>
 void each_cell_within(const CutCells& cc, const Vec3& low, const Vec3& high, const Use& use) {
   each_cell_in(cc, low, high, [&](int cell) {
