@@ -208,8 +208,8 @@ bool AdaptiveRun::stands_still() const {
          count_unknowns(next_->state.bodies) < worth_a_solve * static_cast<double>(last.unknowns);
 }
 
-/// Cells of the first grid, or of the next one; beyond a limit they become larger. False: they would be hardly smaller
-/// than those before.
+/// Cells of the first grid, or of the next one; beyond a limit they become larger. False: hardly smaller than those
+/// before.
 bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   const double allowed = allowed_unknowns();
   refused_.clear();

@@ -122,8 +122,8 @@ void check_body_forces(const std::vector<BodyModel>& bodies) {
   }
 }
 
-/// Its files can be read, and its pressure has a value where the faces may touch. One that depends on the contact force
-/// is left for later.
+/// Checks that its files can be read and its pressure has a value where faces may touch, unless it depends on the
+/// contact force.
 void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) {
   const Reference reference(scene, scene.reference);
   if (scene.late_reference || !reference.has_pressure()) return;

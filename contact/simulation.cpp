@@ -139,8 +139,7 @@ void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
   results.peak_memory_bytes = peak_memory_bytes();
 }
 
-/// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
-/// the result.
+/// Solves all steps, each from the one before; figures of each, if the scene has steps. The last one is the result.
 void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier) {
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
   const auto make_solver = [&] {

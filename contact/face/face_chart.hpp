@@ -1,5 +1,5 @@
-/// Two coordinates along a contact face: of a face that is nearly flat in the zone its projection to a plane, of a
-/// round one the angle about its axis.
+/// Two coordinates along a contact face: projection of a nearly flat one to a plane, angle of a round one about its
+/// axis.
 #pragma once
 
 #include <optional>

@@ -10,8 +10,7 @@ namespace {
 
 /// Cells around a patch whose squares say where the edge is.
 constexpr double border_reach = 1.5;
-/// Cells around the middle of a patch within which an edge is looked for: more than half a patch and the reach of the
-/// term together.
+/// Cells around the middle of a patch searched for an edge: more than half a patch and the term's reach.
 constexpr double edge_reach = 6;
 
 }  // namespace

@@ -10,8 +10,7 @@
 
 namespace cgcontact {
 
-/// One quadrature point, gathered from the arrays or on its way into them: on the surface of the primary body, split at
-/// both grids.
+/// Quadrature point from or for the arrays: on the surface of the primary body, split at both grids.
 struct ContactPoint {
   int group = 0;  ///< of the pair
   int primary_cell = 0, secondary_cell = 0;

@@ -5,8 +5,7 @@
 
 namespace cgcontact {
 
-/// A direction with a larger cosine with the normal of a face holds that normal: that is no contact pressure (the
-/// results use the same).
+/// Cosine with a face's normal above which a direction holds that normal: what acts along it is no contact pressure.
 constexpr double holds_normal = 1e-3;
 /// Fraction of a contact face on which a support may lie by the rim of a declared face.
 constexpr double rim = 0.01;

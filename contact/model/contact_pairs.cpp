@@ -22,8 +22,8 @@ constexpr double equal_cells = 1e-12;
 constexpr double least_area = 1e-9;
 /// Rigid bodies touch if they are nearer to each other than that, cells.
 constexpr double touching = 1e-3;
-/// Ends of the other body's faces in a cell at which the contact is divided; where there are more (threads, scans) it
-/// ends within a quadrature point.
+/// Most ends of the other body's faces in a cell at which the contact is divided; with more (threads, scans) it ends
+/// within a quadrature point.
 constexpr std::size_t most_ends = 24;
 
 /// Level of the smallest cells of a grid that there may be in a box, grid coordinates.

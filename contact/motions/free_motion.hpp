@@ -23,8 +23,8 @@ struct FreeMotions {
   FreeMotions without_rotation() const;
 };
 
-/// Finds free motions at the present state of the contact points: those resisted by less than `no_stiffness` of what is
-/// resisted most.
+/// Finds free motions at the present state of the contact points: those resisted by less than `no_stiffness` of the
+/// most resisted.
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
 
@@ -63,8 +63,8 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
                                             const std::vector<RigidPiece>& pieces);
 
-/// Returns those that the loads do work on, more than the fraction `no_load` of them (they are integrated to 1e-9): one
-/// column, or none.
+/// Returns those with more work of the loads than the fraction `no_load` of them (integrated to 1e-9): one column, or
+/// none.
 FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load = 1e-7);
 
 /// Returns "y" for a direction along an axis, else three components.

@@ -8,8 +8,8 @@
 
 namespace cgcontact {
 
-/// Says which body (or which of its connected components) is free to do what, and a support that would hold it; empty
-/// if all are held.
+/// Names the body (or connected component) that is free, its motion, and a support that would hold it; empty if all are
+/// held.
 std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs);
 

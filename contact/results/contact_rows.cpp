@@ -48,8 +48,7 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
   return nearest;
 }
 
-/// No if all patches around are open on that side (position: grid coordinates): the traction is zero there, whatever
-/// else the patches have to meet.
+/// Returns false if all patches around are open on that side (position: grid coordinates): the traction is zero there.
 bool carries_pressure(const SolvedState& state, int body, int cell, int pair, const Vec3& position, const Vec3& n) {
   if (state.patch_states.empty()) return true;
   const BodyModel& model = state.bodies[body];

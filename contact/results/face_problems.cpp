@@ -15,8 +15,8 @@ namespace {
 
 /// Cells beyond the closed groups in which there may be pressure: they close when their mean gap does.
 constexpr double beyond_closed = 1.25;
-/// Length of the details of a face made of triangles, in facets: waves as long as a facet are a thousandth as high with
-/// it, (2 pi / 2)^-6.
+/// Length of the details of a face made of triangles, in facets: it reduces waves as long as a facet to a thousandth,
+/// (2 pi / 2)^-6.
 constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
 constexpr double least_angle = 1e-4;

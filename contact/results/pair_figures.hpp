@@ -24,8 +24,8 @@ void fill_pair_figures(const SolvedState& state, Results& results);
 /// nothing.
 std::vector<double> normal_forces(const SolvedState& state);
 
-/// Returns a sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the force
-/// that the solution transmits.
+/// Returns a sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the
+/// transmitted force.
 std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -18,8 +18,7 @@ std::optional<CellPoint> place_in(const BodyModel& body, const Vec3& x);
 /// Finds the cell coordinates of a boundary point.
 CellPoint place_of_boundary_point(const BodyModel& body, int point);
 
-/// Appends the figures of all probes of the scene; needs the contact rows. Points that no body holds are counted and
-/// warned of.
+/// Appends the figures of all probes of the scene; needs the contact rows. Warns of points in no body.
 void fill_probes(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

@@ -16,8 +16,7 @@
 namespace cgcontact {
 namespace {
 
-/// Mean of the unit normals over the zone: shorter, and there is no plane to lay the zone out on (a spherical cap of 52
-/// degrees has that).
+/// Least length of the mean unit normal of a zone that is laid out on a plane (that of a spherical cap of 52 degrees).
 constexpr double nearly_flat = 0.9;
 /// Area over the root of both second moments (per area) of an ellipse and of a rectangle, and how near one has to be.
 constexpr double of_ellipse = 4 * pi, of_rectangle = 12, near_shape = 0.25;

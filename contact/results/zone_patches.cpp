@@ -76,8 +76,8 @@ std::optional<ZonePatches> ZonePatches::make(const SolvedState& state, const Pai
   return patches;
 }
 
-/// Points within reach of the closed ones on their side of the body; false if all are closed: nothing says where the
-/// zone ends.
+/// Finds points within reach of the closed ones on their side of the body; false if all are closed: the zone's end is
+/// unknown.
 bool ZonePatches::gather_points() {
   const double reach = options_.reach * h_;
   PointBuckets buckets(reach);
