@@ -28,7 +28,7 @@ struct FaceZone {
   double h = 1;                   ///< m, the larger cells of both bodies at the zone
   double modulus = 1;             ///< E* of both, Pa
   std::vector<char> inside;       ///< patches on both faces
-  std::vector<FaceShare> shares;  ///< of those patches, which groups they belong to
+  std::vector<FaceShare> shares;  ///< shares of groups in those patches
   std::vector<char> may_press;    ///< patches beside closed groups
   std::vector<double> distance;   ///< m, of the undeformed faces at each patch
   std::vector<FaceGroup> groups;
