@@ -78,8 +78,8 @@ class AdaptiveRun {
   std::vector<ZoneState> zones_;                     // of the last solve
   std::vector<std::vector<CellEnergies>> energies_;  // of the solves since the zones are resolved
   DisplacementState displacements_;                  // of the last solve that converged
-  std::vector<double> displacement_errors_;          // of the same
-  bool resolved_ = false;                            // whether all are
+  std::vector<double> displacement_errors_;          // of the last solve that converged
+  bool resolved_ = false;                            // all zones are
   bool may_converge_when_finer_ = false;             // the last solve, if it has not
   std::string refused_;                              // why a next grid could not be made
   double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns

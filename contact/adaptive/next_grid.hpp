@@ -33,10 +33,10 @@ Scene on_first_grids(const Scene& scene);
 struct ErrorFigures {
   std::optional<double> pressure, force;  ///< the largest of the pairs that matter
   double stress = 0;
-  std::vector<double> stress_of_body;        ///< of those that the scene asks for
+  std::vector<double> stress_of_body;        ///< for bodies with a target
   std::vector<std::optional<double>> named;  ///< of AccuracyOptions::named
   bool met = false;                          ///< all that the scene asks for
-  bool finite = true;                        ///< whether they are numbers
+  bool finite = true;                        ///< all are numbers
 };
 /// Collects the errors; displacement: of the targets that are displacements, in their order.
 ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,

@@ -7,7 +7,7 @@
 namespace cgcontact {
 
 struct Thickness {
-  double cells = 0;  ///< of that size
+  double cells = 0;  ///< in cells of the size `cell`
   double cell = 0;   ///< m, the largest of the body's cells with closed points
 };
 
