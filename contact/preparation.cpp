@@ -78,11 +78,13 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   FreeMotions left = along_surfaces;
   left.leave_out(held, p.bodies);
   if (!left.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
-    p.warnings.push_back(describe(along_surfaces, scene) +
-                         ": no load drives this motion, soft springs that follow it hold it");
+    p.warnings.push_back(
+        describe(along_surfaces, scene) +
+        ": this motion is unconstrained but unloaded; weak springs stabilise it without changing the result");
   else if (!on_both_sides.empty())
-    p.warnings.push_back(describe(on_both_sides, scene) +
-                         ": no load drives this motion, it is held where it is, which takes no force");
+    p.warnings.push_back(
+        describe(on_both_sides, scene) +
+        ": this motion is unconstrained but unloaded; it is fixed at a few points, which takes no force");
   const std::vector<double> softest = softest_moduli(p);
   for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports, p.pairs))
     for (SupportPoint point : hold(motions, p.bodies)) {

@@ -54,7 +54,7 @@ std::string pair_fault(const SolvedState& state, const Results& figures, std::si
   const double slices = state.bodies[pair.primary].slices;
   return fmt::format(
       "contact \"{}\": its force of {:.3g} N {}: the forces on \"{}\" balance to {:.3g} N only (solver.tolerance, "
-      "solver.linear_tolerance); it carries next to nothing beside what else acts on the bodies, or has been lost",
+      "solver.linear_tolerance); it carries next to nothing beside the other forces, or has been lost",
       pair.spec->name, slices * normal, pulls ? "pulls" : "is none that is known", state.scene.bodies[body].name,
       slices * worst);
 }
@@ -82,9 +82,8 @@ std::string place_keeping_warning(const SolvedState& state) {
   const auto part = [&](int b) { return held_part(state, b); };
   const int most = *std::max_element(held.begin(), held.end(), [&](int a, int b) { return part(a) < part(b); });
   return fmt::format(
-      "{} that contact alone holds would slide and spin along the surfaces that they touch for many cells, which no "
-      "load drives: held where they are, which takes {:.2g} % of the largest contact force at most (body \"{}\"); "
-      "smaller cells at the contact make it less",
+      "{} held by contact alone would drift along the surfaces by many cells, unloaded: fixed there, which takes at "
+      "most {:.2g} % of the largest contact force (body \"{}\"); smaller cells at the contact reduce it",
       held.size() == 1 ? "a body" : fmt::format("{} bodies", held.size()), 100 * part(most),
       state.bodies[most].spec->name);
 }

@@ -22,7 +22,7 @@ int number_of_copies(const TomlCursor& copies) {
 int largest_number(const TomlCursor& node, bool in_array, bool copied) {
   int largest = 0;
   const auto copies = in_array ? node.find(copies_key) : std::nullopt;
-  if (copies && copied) copies->fail("copies inside of what is copied itself", "copies in one of the two");
+  if (copies && copied) copies->fail("copies cannot be nested", "copies on one of the two levels");
   if (copies) largest = number_of_copies(*copies);
   copied |= copies.has_value();
   if (node.is_array())

@@ -105,7 +105,7 @@ class Contact(WithCad):
         for body in result["balance"]:
             left = [sum(parts) for parts in zip(body["loads"], body["supports"], body["contact"])]
             self.assertLess(max(map(abs, left)), 1e-5 * 5000, body["body"])
-        held = [warning for warning in result["warnings"] if "held where they are" in warning]
+        held = [warning for warning in result["warnings"] if "held by contact alone" in warning]
         self.assertEqual(len(held), 1)
         taken = float(re.search(r"takes (\S+) %", held[0]).group(1))
         self.assertLess(taken, 2)
