@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace cgcontact {
 namespace {
@@ -100,6 +101,25 @@ std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double 
 
 std::vector<SizedBall> energy_sizes(const BodyFields& body, double target, double first_size) {
   return sizes_for(body, target * energy_norm(body), power_sum(body), first_size);
+}
+
+std::vector<std::vector<SizedBall>> sizes_for_partners(const Results& results, std::size_t body,
+                                                       const std::vector<SizedBall>& sizes) {
+  const CutCells& cells = *results.bodies[body].cut_cells;
+  std::vector<std::vector<SizedBall>> asked(results.bodies.size());
+  std::set<std::pair<int, int>> touching;  // cell, pair
+  for (const ContactRow& row : results.contact_rows)
+    if (row.touching && row.body == static_cast<int>(body)) touching.insert({row.cell, row.pair});
+  for (const SizedBall& ball : sizes) {
+    const int cell = cells.locate(cells.grid.to_grid(ball.center));
+    for (auto at = touching.lower_bound({cell, 0}); at != touching.end() && at->first == cell; ++at) {
+      const PairFigures& pair = results.pairs[at->second];
+      for (std::size_t b = 0; b < asked.size(); ++b)
+        if (b != body && (results.bodies[b].name == pair.body_first || results.bodies[b].name == pair.body_second))
+          asked[b].push_back(ball);
+    }
+  }
+  return asked;
 }
 
 }  // namespace cgcontact

@@ -27,4 +27,10 @@ std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double 
 /// Returns the same of one body, whose own error is to be `target` of its own energy norm. first_size: m.
 std::vector<SizedBall> energy_sizes(const BodyFields& body, double target, double first_size);
 
+/// Returns for each body the sizes that one body's cells are asked for where the two touch: contact holds in the mean
+/// over the larger cell of the two, so that fine cells opposite coarse ones (of a rigid body, whose energy asks for
+/// nothing) are loaded by steps of the coarse ones. sizes: those of the one body.
+std::vector<std::vector<SizedBall>> sizes_for_partners(const Results& results, std::size_t body,
+                                                       const std::vector<SizedBall>& sizes);
+
 }  // namespace cgcontact
