@@ -272,8 +272,8 @@ TEST(FrictionCapacity, HertzTorque) {
   EXPECT_NEAR(f.torque->whole / (4 * f.torque->capacity), 1, 1e-6);
 }
 
-/// A rigid flat punch, p = F / (2 pi a sqrt(a^2 - r^2)): mu F a pi/4, though the pressure at the rim is not resolved. A
-/// quarter is modelled; 0.05 % off with ten cells over the radius.
+/// A rigid flat punch, p = F / (2 pi a sqrt(a^2 - r^2)): mu F a pi/4, though the pressure has no finite value at the
+/// rim. A quarter is modelled; 0.8 % off with ten cells over the radius.
 TEST(FrictionCapacity, FlatPunch) {
   std::string text = R"(
 [[body]]
@@ -304,8 +304,11 @@ displacement = {x = 0, y = 0, z = 0}
   const FrictionFigures& f = friction(*solved);
   EXPECT_NEAR(f.whole, 0.2 * 1e5, 1e-4);
   ASSERT_TRUE(f.torque);
-  EXPECT_NEAR(f.torque->whole / (0.2 * 1e5 * 0.01 * pi / 4), 1, 0.01);
-  EXPECT_FALSE(f.torque->error);
+  const double error = std::abs(f.torque->whole / (0.2 * 1e5 * 0.01 * pi / 4) - 1);
+  ASSERT_TRUE(f.torque->error);
+  std::printf("torque of a flat punch off by %.5f, estimated %.3f\n", error, *f.torque->error);
+  EXPECT_LT(error, 0.01);
+  EXPECT_LT(error, *f.torque->error);
 }
 
 /// About an axis 1 m aside the parts behind the planes of symmetry have other distances than the quarter that is

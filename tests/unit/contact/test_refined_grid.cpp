@@ -21,6 +21,7 @@ refine = [{ring = )" +
          ring + R"(, size = 0.0125, grading = 0.5}]
 [[support]]
 face = "plate.z-"
+symmetry = true
 )";
 }
 
