@@ -1,6 +1,7 @@
 #include "contact/adaptive/energy_sizes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -67,6 +68,29 @@ double energy_norm(const BodyFields& body) {
   return std::sqrt(sum);
 }
 
+/// Adds to the sizes of each body those of its partners' cells where they touch.
+void add_sizes_of_partners(const Results& results, std::vector<std::vector<SizedBall>>& balls) {
+  std::set<std::array<int, 3>> touching;  // body, cell, pair
+  for (const ContactRow& row : results.contact_rows)
+    if (row.touching) touching.insert({row.body, row.cell, row.pair});
+  const std::vector<std::vector<SizedBall>> own = balls;
+  for (std::size_t b = 0; b < own.size(); ++b) {
+    const CutCells& cells = *results.bodies[b].cut_cells;
+    const int body = static_cast<int>(b);
+    for (const SizedBall& ball : own[b]) {
+      const int cell = cells.locate(cells.grid.to_grid(ball.center));
+      for (auto at = touching.lower_bound({body, cell, 0});
+           at != touching.end() && (*at)[0] == body && (*at)[1] == cell; ++at) {
+        const PairFigures& pair = results.pairs[(*at)[2]];
+        for (std::size_t other = 0; other < own.size(); ++other) {
+          const std::string& name = results.bodies[other].name;
+          if (other != b && (name == pair.body_first || name == pair.body_second)) balls[other].push_back(ball);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 double energy_error_of_body(const BodyFields& body) {
@@ -96,30 +120,12 @@ std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double 
   if (!(results.estimated_error_relative > 0)) return balls;
   const double wanted = target * results.estimated_error / results.estimated_error_relative;
   for (std::size_t b = 0; b < balls.size(); ++b) balls[b] = sizes_for(results.bodies[b], wanted, sum, first_sizes[b]);
+  add_sizes_of_partners(results, balls);
   return balls;
 }
 
 std::vector<SizedBall> energy_sizes(const BodyFields& body, double target, double first_size) {
   return sizes_for(body, target * energy_norm(body), power_sum(body), first_size);
-}
-
-std::vector<std::vector<SizedBall>> sizes_for_partners(const Results& results, std::size_t body,
-                                                       const std::vector<SizedBall>& sizes) {
-  const CutCells& cells = *results.bodies[body].cut_cells;
-  std::vector<std::vector<SizedBall>> asked(results.bodies.size());
-  std::set<std::pair<int, int>> touching;  // cell, pair
-  for (const ContactRow& row : results.contact_rows)
-    if (row.touching && row.body == static_cast<int>(body)) touching.insert({row.cell, row.pair});
-  for (const SizedBall& ball : sizes) {
-    const int cell = cells.locate(cells.grid.to_grid(ball.center));
-    for (auto at = touching.lower_bound({cell, 0}); at != touching.end() && at->first == cell; ++at) {
-      const PairFigures& pair = results.pairs[at->second];
-      for (std::size_t b = 0; b < asked.size(); ++b)
-        if (b != body && (results.bodies[b].name == pair.body_first || results.bodies[b].name == pair.body_second))
-          asked[b].push_back(ball);
-    }
-  }
-  return asked;
 }
 
 }  // namespace cgcontact

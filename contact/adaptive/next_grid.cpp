@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
@@ -58,28 +57,15 @@ const BodyFields& body_named(const Results& results, const std::string& name) {
                        [&](const BodyFields& body) { return body.name == name; });
 }
 
-/// Adds what the sizes of some bodies ask of those that they touch.
-void ask_partners(const Results& results, const std::set<std::size_t>& bodies,
-                  std::vector<std::vector<SizedBall>>& sizes) {
-  std::vector<std::vector<SizedBall>> asked(sizes.size());
-  const auto append = [](const std::vector<std::vector<SizedBall>>& more, std::vector<std::vector<SizedBall>>& to) {
-    for (std::size_t b = 0; b < more.size(); ++b) to[b].insert(to[b].end(), more[b].begin(), more[b].end());
-  };
-  for (const std::size_t body : bodies) append(sizes_for_partners(results, body, sizes[body]), asked);
-  append(asked, sizes);
-}
-
-/// Sets what targets of single bodies ask of them, and adds these to `bodies`. fields: what the zones ask.
+/// Adds what targets of single bodies ask of them. fields: what the zones ask.
 void add_body_targets(const AccuracyOptions& options, const Results& results,
-                      const std::vector<std::unique_ptr<SizeField>>& fields, GridSizes& next,
-                      std::set<std::size_t>& bodies) {
+                      const std::vector<std::unique_ptr<SizeField>>& fields, GridSizes& next) {
   for (const BodyTarget& target : options.stress_of_body) {
     const BodyFields& body = body_named(results, target.body);
     const std::size_t b = &body - results.bodies.data();
     if (target.error >= expected_energy_error(body, *fields[b])) continue;
     const double wanted = options.energy_aim * target.error;
     next.energy[b] = energy_sizes(body, wanted, next.first[b]);
-    bodies.insert(b);
     next.change = std::min(next.change, wanted / energy_error_of_body(body));
   }
 }
@@ -208,16 +194,13 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   const double allowed = allowed_energy_error(state.scene, zones, results, displacement);
   std::vector<std::unique_ptr<SizeField>> fields;
   for (const auto& balls : next.zones) fields.push_back(std::make_unique<SizeField>(balls, options.grading));
-  std::set<std::size_t> renewed;  // bodies with sizes from this solution
   if (allowed < expected_energy_error(results, fields)) {
     next.energy = energy_sizes(results, options.energy_aim * allowed, present.first);
-    for (std::size_t b = 0; b < next.energy.size(); ++b) renewed.insert(b);
     next.change = std::min(next.change, options.energy_aim * allowed / results.estimated_error_relative);
   } else {
     next.energy = present.energy;
   }
-  add_body_targets(options, results, fields, next, renewed);
-  ask_partners(results, renewed, next.energy);
+  add_body_targets(options, results, fields, next);
   return next;
 }
 
