@@ -57,6 +57,25 @@ std::vector<char> rows_at_border(const std::vector<ContactRow>& rows, int pair, 
   return marks;
 }
 
+/// Marks the rows of a pair with nothing opposite that are farther from each closed one than its cell: their pressure
+/// is zero, however the stress around is off. The nearer ones tell whether what touches is as small as a cell.
+std::vector<char> rows_away_from_contact(const std::vector<ContactRow>& rows, int pair) {
+  double reach = 0;
+  for (const ContactRow& row : rows)
+    if (row.pair == pair && row.active) reach = std::max(reach, row.larger_cell);
+  PointBuckets closed(reach);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].pair == pair && rows[i].active) closed.add(rows[i].x, static_cast<int>(i));
+  std::vector<char> marks(rows.size(), 0);
+  parallel_for("cgcontact::pressure_estimate::away", rows.size(), 128, [&](std::size_t i) {
+    const ContactRow& row = rows[i];
+    if (row.pair != pair || row.active || std::isfinite(row.distance)) return;
+    marks[i] =
+        !(reach > 0 && closed.any_near(row.x, [&](int k) { return (rows[k].x - row.x).norm() < rows[k].larger_cell; }));
+  });
+  return marks;
+}
+
 /// The mean of transmitted less recovered pressure around a place. Rows near each other, beside the width of the mean
 /// there, count as one, at their centroid.
 class LocalMean {
@@ -175,13 +194,13 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
           force_error(state, statics, pair, figures, verdict, energy_error + work_on_gaps(results, pair));
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
+    const std::vector<char> away = rows_away_from_contact(rows, pair);
     figures.pressure_on_face = touches;
     figures.zones_of_stress = state.faces.left_out.empty() ? 0 : state.faces.left_out[p];
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (rows[i].pair != pair) continue;
       const auto face = state.faces.at(pair, rows[i].body, rows[i].x, rows[i].normal);
-      // Where nothing is opposite the pressure is zero, however the stress around is off.
-      of_stress[i] = !face && (rows[i].active || std::isfinite(rows[i].distance));
+      of_stress[i] = !face && !away[i];
       figures.pressure_on_face = figures.pressure_on_face && (face || !rows[i].touching);
       if (!face) continue;
       errors[i] = face->error;

@@ -10,6 +10,7 @@
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepLib.hxx>
 #include <BRepPrimAPI_MakeRevol.hxx>
+#include <BRep_Tool.hxx>
 #include <GC_MakeArcOfCircle.hxx>
 #include <Geom_TrimmedCurve.hxx>
 #include <Standard_Failure.hxx>
@@ -123,13 +124,13 @@ bool is_straight(const Place& place) {
   return length > 0;
 }
 
-/// Tells whether it is an arc of the circle through three of its points.
+/// Tells whether it is an arc of the circle through three of its points. precision: mm, of the section's own points.
 template <class Place>
-bool is_round(const Place& place) {
+bool is_round(const Place& place, double precision) {
   const Vec2 from = place(0), through = place(0.25), to = place(0.625);
   const auto arc = arc_through(from, through, to);
   if (!arc) return false;
-  const double tolerance = same_curve * std::max((through - from).norm(), (to - from).norm());
+  const double tolerance = same_curve * std::max((through - from).norm(), (to - from).norm()) + precision;
   for (int k = 0; k <= places_along; ++k)
     if (const Vec2 x = place(double(k) / places_along);
         !(std::abs((x - arc->circle.centre).norm() - arc->circle.radius) <= tolerance))
@@ -168,7 +169,8 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
       const double first = curve.FirstParameter(), last = curve.LastParameter();
       const auto place = [&](double part) { return at(curve.Value(first + part * (last - first))); };
       const bool is_line = curve.GetType() == GeomAbs_Line || is_straight(place);
-      const bool is_arc = !is_line && (curve.GetType() == GeomAbs_Circle || is_round(place));
+      const bool is_arc =
+          !is_line && (curve.GetType() == GeomAbs_Circle || is_round(place, BRep_Tool::Tolerance(edge)));
       if (!is_line && !is_arc)
         throw InputError(fmt::format("{} has a section that is neither a line nor an arc",
                                      number > 0 ? cad_face_text(model.faces()[number - 1], number) : "a face"));
