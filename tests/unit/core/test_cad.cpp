@@ -484,11 +484,19 @@ TEST_F(Cad, FacesOfAScene) {
 TEST_F(Cad, SectionsOfBodiesOfRevolution) {
   const ProfileFrame frame{Vec3(0, 0, 3), Vec3::UnitX(), Vec3::UnitZ()};
   const CadModel torus = CadModel::revolved({{Vec2(12, 0), Vec2(12, 0), "ring.surface", true, Vec2(8, 0)}}, frame);
+  // An arc whose centre is nearer to the axis than to the arc: OpenCASCADE's section of its face is an approximation.
+  const Vec2 end(0.28942441457783873, 0.014382728292267499), middle(0.1699280129588892, 0.0035989201295916208);
+  const CadModel punch = CadModel::revolved({{Vec2(0, 0), Vec2(0.05, 0), "tip", false, Vec2()},
+                                             {Vec2(0.05, 0), end, "tip", true, middle},
+                                             {end, Vec2(end[0], 0.15), "side", false, Vec2()},
+                                             {Vec2(end[0], 0.15), Vec2(0, 0.15), "top", false, Vec2()},
+                                             {Vec2(0, 0.15), Vec2(0, 0), "axis", false, Vec2()}},
+                                            {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitZ()});
   const std::vector<CadSolid> rings = read_cad(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/data/bearing.step", {});
-  std::vector<CadModel> models{torus};
+  std::vector<CadModel> models{torus, punch};
   for (const CadSolid& solid : rings)
     if (solid.name == "inner" || solid.name == "outer") models.push_back(solid.model);
-  ASSERT_EQ(models.size(), 3u);
+  ASSERT_EQ(models.size(), 4u);
   std::mt19937 random(7);
   for (const CadModel& each : models)
     for (const int axis : {2, 0}) {
