@@ -150,6 +150,7 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
 void fill_pair_figures(const SolvedState& state, Results& results) {
   const std::vector<double> forces = forces_of_pairs(state);
   const double all_forces = forces_of_scene(state, forces);
+  const std::vector<double> normal = normal_forces(state);
   std::size_t first_group = 0, first_tangent = 0;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
     const ContactPair& pair = state.pairs[k];
@@ -163,6 +164,7 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
       add_forces(state, pair, first_group, first_tangent, forces[k], figures);
       add_zone(state, static_cast<int>(k), results, figures);
+      if (!pair.bonded() && figures.area > 0) figures.zone.normal_force = state.bodies[pair.primary].slices * normal[k];
     }
     results.pairs.push_back(figures);
     first_group += pair.groups.size();

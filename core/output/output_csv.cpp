@@ -55,17 +55,17 @@ void write_pressure_csv(const Results& results, const std::string& file_name) {
 void write_steps_csv(const Results& results, const std::string& file_name) {
   std::string text =
       "step,loads,displacements,interference,contact,force,force_x,force_y,force_z,area,max_pressure,active_points,"
-      "converged,max_displacement";
+      "converged,max_displacement,normal_force";
   const bool friction = has_friction(results);
   text += friction ? ",friction_capacity,torque_capacity,friction_use,friction_work\n" : "\n";
   for (std::size_t k = 0; k < results.steps.size(); ++k) {
     const StepFigures& s = results.steps[k];
     for (const PairFigures& pair : s.pairs) {
       const Vec3& f = pair.force_on_first;
-      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{},{}", k + 1, s.step.loads,
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", k + 1, s.step.loads,
                      s.step.displacements, s.step.interference, csv_text(pair.name), f.norm(), f[0], f[1], f[2],
                      pair.area, pair.max_pressure, pair.active_points, s.converged ? 1 : 0,
-                     s.displacement ? fmt::format("{}", *s.displacement) : "");
+                     s.displacement ? fmt::format("{}", *s.displacement) : "", pair.zone.normal_force);
       if (friction && !pair.friction) text += ",,,,";
       if (friction && pair.friction) {
         const auto number = [](const auto& value) { return value ? fmt::format("{}", *value) : ""; };

@@ -125,6 +125,7 @@ Json json_of(const StepFigures& step) {
   for (const PairFigures& pair : step.pairs) {
     contact.push_back({{"name", pair.name},
                        {"force", json_of(pair.force_on_first)},
+                       {"normal_force", pair.zone.normal_force},
                        {"area", pair.area},
                        {"max_pressure", pair.max_pressure}});
     if (pair.friction) contact.back()["friction"] = json_of(*pair.friction);

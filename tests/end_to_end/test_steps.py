@@ -33,6 +33,10 @@ class Steps(unittest.TestCase):
         with open("steps/steps.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([float(r["max_pressure"]) for r in rows], [half, whole])
+        normal = [s["contact"][0]["normal_force"] for s in steps]  # of a fit, whose resultant is zero
+        self.assertEqual(normal[1], written["contact"][0]["normal_force"])
+        self.assertAlmostEqual(normal[0] / normal[1], 0.5, delta=1e-4)
+        self.assertEqual([float(r["normal_force"]) for r in rows], normal)
         self.assertEqual([r["contact"] for r in rows], ["inner-outer"] * 2)
         self.assertIn("step 1 of 2:", outcome.out)
         self.assertIn("steps.svg", written["files"])
