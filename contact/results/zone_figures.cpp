@@ -275,23 +275,22 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
     const ContactPair& pair = state.pairs[k];
     PairFigures& figures = results.pairs[k];
-    double force = 0;
-    if (pair.bonded())
-      for (std::size_t piece = 0; piece < pair.num_pieces(); ++piece)
-        force += force_of_piece(pair, &state.outer.group_force[group], piece).dot(mean_normal(pair, piece));
-    else
-      for (std::size_t g = 0; g < pair.groups.size(); ++g) force += state.outer.group_force[group + g];
-    force *= state.bodies[pair.primary].slices * unit;
+    const std::size_t first = group;
     group += pair.groups.size();
     if (pair.spec->moment_about) figures.zone.moment = moment_about(*pair.spec->moment_about, figures);
     if (!(figures.area > 0)) continue;
-    figures.zone.normal_force = force;
-    figures.zone.mean_pressure = force / figures.area;
+    if (pair.bonded()) {
+      double force = 0;
+      for (std::size_t piece = 0; piece < pair.num_pieces(); ++piece)
+        force += force_of_piece(pair, &state.outer.group_force[first], piece).dot(mean_normal(pair, piece));
+      figures.zone.normal_force = force * state.bodies[pair.primary].slices * unit;
+    }
+    figures.zone.mean_pressure = figures.zone.normal_force / figures.area;
     if (pair.bonded()) continue;
     const Zone zone(state, results, static_cast<int>(k));
     figures.zone.parts = zone.parts();
     figures.zone.extent = zone.extent();
-    figures.zone.hertz = zone.hertz(force);
+    figures.zone.hertz = zone.hertz(figures.zone.normal_force);
   }
 }
 
