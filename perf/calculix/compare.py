@@ -301,17 +301,32 @@ def self_test():
     print("self-test passed")
 
 
+def needs_at(rows, error, keys):
+    """What CalculiX needs for an error: straight lines through its rows in logarithmic axes; None beyond them."""
+    series = sorted((r for r in rows if r["program"] == "CalculiX" and "error" in r), key=lambda r: r["error"])
+    for low, high in zip(series, series[1:]):
+        if low["error"] <= error <= high["error"]:
+            t = math.log(error / low["error"]) / math.log(high["error"] / low["error"])
+            return {key: low[key] ** (1 - t) * high[key] ** t for key in keys}
+    return None
+
+
+def missing_program(calculix, program):
+    """Says which of the programs that are needed is not there; None: both are. program: None if none is needed."""
+    if calculix and not shutil.which("ccx"):
+        return "CalculiX (the program ccx) is not installed: apt-get install calculix-ccx"
+    if program and not os.access(program, os.X_OK):
+        return f"there is no program {program}: build it (make), or say where with --program"
+    return None
+
+
 def at_equal_error(rows):
-    """CPU time, memory and unknowns that CalculiX needs for the error of each row of cgcontact: straight lines through its
-    rows in logarithmic axes, no extrapolation."""
-    series = sorted((r for r in rows if r["program"] == "CalculiX" and "iterative" in r["settings"] and "error" in r),
-                    key=lambda r: r["error"])
+    """CPU time, memory and unknowns that CalculiX, with its iterative solver, needs for the error of each row of
+    cgcontact."""
+    iterative = [r for r in rows if "iterative" in r["settings"]]
     for own in (r for r in rows if r["program"] == "cgcontact" and "error" in r):
-        for low, high in zip(series, series[1:]):
-            if not low["error"] <= own["error"] <= high["error"]:
-                continue
-            t = math.log(own["error"] / low["error"]) / math.log(high["error"] / low["error"])
-            needs = {k: low[k] ** (1 - t) * high[k] ** t for k in ("cpu_s", "wall_s", "memory_mb", "unknowns")}
+        needs = needs_at(iterative, own["error"], ("cpu_s", "wall_s", "memory_mb", "unknowns"))
+        if needs:
             print(f"at {100 * own['error']:.2f} %: cgcontact {own['unknowns']} unknowns, {own['wall_s']:.1f} s wall, "
                   f"{own['cpu_s']:.1f} s CPU, {own['memory_mb']:.0f} MB; CalculiX {needs['unknowns']:.0f} unknowns, "
                   f"{needs['wall_s']:.1f} s wall, {needs['cpu_s']:.1f} s CPU, {needs['memory_mb']:.0f} MB")
@@ -359,14 +374,10 @@ def main():
     if options.self_test:
         self_test()
         return 0
-    if not shutil.which("ccx"):
-        print("compare.py: CalculiX (the program ccx) is not installed: apt-get install calculix-ccx", file=sys.stderr)
-        return 1
     if any(n < 2 or n % 2 for n in options.sizes):
         parser.error("--sizes: even numbers")
-    if not options.study and not os.access(options.program, os.X_OK):
-        print(f"compare.py: there is no program {options.program}: build it (make), or say where with --program",
-              file=sys.stderr)
+    if missing := missing_program(True, None if options.study else options.program):
+        print("compare.py: " + missing, file=sys.stderr)
         return 1
 
     rows = []

@@ -41,7 +41,7 @@ import statistics
 import sys
 import tempfile
 
-from compare import GAUSS, ROOT, read_frd, run_measured, write_lines
+from compare import GAUSS, ROOT, missing_program, needs_at, read_frd, run_measured, write_lines
 
 # The scene, SI units.
 SPHERE = 10e-3  # radius of the pin's end
@@ -391,17 +391,6 @@ def row_text(row):
             f"{100 * row['worst_force']:6.2f} {row['iterations']:6.1f}  {row['from']}{lost}")
 
 
-def at_error(rows, error):
-    """What CalculiX needs for an error: straight lines through its rows in logarithmic axes, no extrapolation."""
-    series = [row for row in rows if row["program"] == "CalculiX" and "error" in row]
-    series.sort(key=lambda row: row["error"])
-    for low, high in zip(series, series[1:]):
-        if low["error"] <= error <= high["error"]:
-            t = math.log(error / low["error"]) / math.log(high["error"] / low["error"])
-            return {key: low[key] ** (1 - t) * high[key] ** t for key in ("cpu_s", "wall_s", "unknowns")}
-    return None
-
-
 def study():
     """Settings to choose from, for --study."""
     for kappa in (1, 10, 30, 100, 1000):
@@ -463,13 +452,8 @@ def main():
     if options.self_test:
         self_test()
         return 0
-    if not options.reference and not shutil.which("ccx"):
-        print("compare_revolution.py: CalculiX (the program ccx) is not installed: apt-get install calculix-ccx",
-              file=sys.stderr)
-        return 1
-    if not options.study and not os.access(options.program, os.X_OK):
-        print(f"compare_revolution.py: there is no program {options.program}: build it (make), or say where with "
-              "--program", file=sys.stderr)
+    if missing := missing_program(not options.reference, None if options.study else options.program):
+        print("compare_revolution.py: " + missing, file=sys.stderr)
         return 1
 
     rows = []
@@ -503,7 +487,7 @@ def main():
                     options.program, target, (p, (p + 0.37) % 1), options.pictures, folder))
             own = [row["error"] for row in rows if row["program"] == "cgcontact" and "error" in row]
             for error in sorted({0.02, 0.01, *own}, reverse=True):
-                needs = at_error(rows, error)
+                needs = needs_at(rows, error, ("cpu_s", "wall_s", "unknowns"))
                 print(f"CalculiX at {100 * error:.2f} %: " + (
                     f"{needs['unknowns']:.0f} unknowns, {needs['wall_s']:.2f} s wall, {needs['cpu_s']:.2f} s CPU"
                     if needs else "not among its rows"))
