@@ -80,10 +80,11 @@ double most_cells(const Scene& scene, double unknowns) {
 /// The largest of the estimated errors over their targets; none: the zones are not resolved.
 std::optional<double> missing_factor(const AccuracyOptions& options, const SolveFigures& solve) {
   const bool known = std::all_of(solve.named.begin(), solve.named.end(), [](const auto& error) { return error; });
-  if (!solve.converged || !known || ((options.pressure || options.force) && !solve.pressure)) return std::nullopt;
+  if (!solve.converged || !known || ((options.pressure || options.force || options.shear) && !solve.pressure)) return std::nullopt;
   double largest = 0;
   if (options.pressure) largest = std::max(largest, *solve.pressure / *options.pressure);
   if (options.force) largest = std::max(largest, solve.force.value_or(0) / *options.force);
+  if (options.shear) largest = std::max(largest, solve.shear.value_or(0) / *options.shear);
   if (options.stress) largest = std::max(largest, solve.stress / *options.stress);
   for (std::size_t k = 0; k < solve.stress_of_body.size(); ++k)
     largest = std::max(largest, solve.stress_of_body[k] / options.stress_of_body[k].error);
@@ -114,16 +115,18 @@ void check_first_grids(const Scene& scene, const std::vector<BodyModel>& bodies)
 std::string describe(int number, const SolveFigures& solve) {
   return fmt::format(
       "solve {}: {} unknowns, {:.1f} s, {} outer iterations, cells from {:.3g} m, error of pressure {} (change {}), "
-      "force {}, stress {}",
+      "force {}, {}stress {}",
       number, grouped(solve.unknowns), solve.seconds, solve.outer_iterations, solve.smallest_cell,
       solve.pressure ? percent_number(*solve.pressure) + " %" : "-",
       solve.change ? percent_number(*solve.change) + " %" : "-",
-      solve.force ? percent_number(*solve.force) + " %" : "-", percent_number(solve.stress) + " %");
+      solve.force ? percent_number(*solve.force) + " %" : "-",
+      solve.shear ? "shear " + percent_number(*solve.shear) + " %, " : "", percent_number(solve.stress) + " %");
 }
 
 AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes(scene)) {
   figures_.pressure = scene.accuracy.pressure;
   figures_.force = scene.accuracy.force;
+  figures_.shear = scene.accuracy.shear;
   figures_.stress = scene.accuracy.stress;
   figures_.stress_of_body = scene.accuracy.stress_of_body;
   figures_.named = scene.accuracy.named;
@@ -376,6 +379,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   }
   solve.pressure = errors.pressure;
   solve.force = errors.force;
+  solve.shear = errors.shear;
   solve.stress = errors.stress;
   solve.stress_of_body = errors.stress_of_body;
   solve.named = errors.named;

@@ -116,7 +116,7 @@ AdaptiveCallbacks callbacks_of(Listener& listener) {
     listener.tell([&] {
       return py::dict("solve"_a = number, "unknowns"_a = solve.unknowns, "seconds"_a = solve.seconds,
                       "pressure"_a = optional_number(solve.pressure), "force"_a = optional_number(solve.force),
-                      "stress"_a = solve.stress);
+                      "shear"_a = optional_number(solve.shear), "stress"_a = solve.stress);
     });
   };
   return callbacks;

@@ -23,6 +23,10 @@ bool is_unclear(const Results& results, std::size_t pair) {
   return results.pairs[pair].least_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
 }
 
+std::optional<double> shear_error(const PairFigures& pair) {
+  return pair.friction ? pair.friction->shear_error : std::nullopt;
+}
+
 /// The largest error of the energy norm that the targets allow, relative; infinite: any.
 double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,
                             const std::vector<double>& displacement) {
@@ -118,6 +122,7 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
   errors.stress = results.estimated_error_relative;
   bool known = true, any = false;
   double pressure = 0, force = 0;
+  std::optional<double> shear;
   errors.named.resize(options.named.size());
   for (std::size_t p = 0; p < zones.size(); ++p) {
     known &= !is_unclear(results, p);
@@ -129,10 +134,12 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
     else
       pressure = worse(pressure, results.pairs[p].pressure_error_estimate);
     force = worse(force, results.pairs[p].force_error_estimate.value_or(0));
+    if (const auto own = shear_error(results.pairs[p])) shear = worse(shear.value_or(0), *own);
   }
   if (known && any) {
     errors.pressure = pressure;
     errors.force = force;
+    errors.shear = shear;
   }
   bool bodies_met = true;
   for (const BodyTarget& target : options.stress_of_body) {
@@ -152,8 +159,10 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
     named_met &= own && *own <= options.named[k].error;
   }
   errors.met = known && bodies_met && named_met && (!options.pressure || pressure <= *options.pressure) &&
-               (!options.force || force <= *options.force) && (!options.stress || errors.stress <= *options.stress);
-  errors.finite = std::isfinite(pressure) && std::isfinite(force) && std::isfinite(errors.stress) &&
+               (!options.force || force <= *options.force) &&
+               (!options.shear || shear.value_or(0) <= *options.shear) && (!options.stress || errors.stress <= *options.stress);
+  errors.finite = std::isfinite(pressure) && std::isfinite(force) && std::isfinite(shear.value_or(0)) &&
+                  std::isfinite(errors.stress) &&
                   std::all_of(errors.named.begin(), errors.named.end(),
                               [](const std::optional<double>& e) { return !e || std::isfinite(*e); });
   return errors;
@@ -185,6 +194,8 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
     else
       for (SizedBall& ball : zone.places) ball.size = ratio * zone.cell;
     next.change = std::min(next.change, ratio);
+    if (const double shear = size_by_shear(state, results, static_cast<int>(p), zones[p], zone); shear < 1)
+      next.change = std::min(next.change, shear);
     for (SizedBall& ball : zone.places) {
       ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
       for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);

@@ -32,6 +32,7 @@ Scene on_first_grids(const Scene& scene);
 /// Relative estimated errors after a solve; none: not known, as the zone is not resolved.
 struct ErrorFigures {
   std::optional<double> pressure, force;  ///< the largest of the pairs that matter
+  std::optional<double> shear;            ///< the largest of those with shear that matters; none: there is none
   double stress = 0;
   std::vector<double> stress_of_body;        ///< for bodies with a target
   std::vector<std::optional<double>> named;  ///< of AccuracyOptions::named

@@ -6,6 +6,7 @@
 
 #include "contact/adaptive/small_zone_places.hpp"
 #include "contact/results/contact_rows.hpp"
+#include "contact/results/friction_capacity.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_width.hpp"
@@ -52,6 +53,37 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
   }
 }
 
+/// Returns the ratios of new to present cells of the closed groups of a pair (one per place of its zone) with the fewest
+/// cells in two dimensions: errors of groups fall like h^rate. error, size: of a row, squared. Empty: no error.
+template <class ErrorOf, class SizeOf>
+std::vector<double> ratios_by_error(const SolvedState& state, const Results& results, int p, double target, double rate,
+                                    const ErrorOf& error_of, const SizeOf& size_of) {
+  const ContactPair& pair = state.pairs[p];
+  std::map<std::pair<int, int>, double> squared;  // by body and cell
+  double norm = 0, all = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    if (row.pair != p) continue;
+    const double error = row.weight * error_of(row);
+    squared[{row.body, row.cell}] += error;
+    all += error;
+    norm += row.weight * size_of(row);
+  }
+  std::vector<double> errors;
+  double of_groups = 0;
+  for (std::size_t g = 0; g < pair.num_pieces(); ++g)
+    if (const ContactGroup& group = pair.groups[g]; is_closed(pair, group)) {
+      errors.push_back(squared[{group.body, group.cell}]);
+      of_groups += errors.back();
+    }
+  if (!(of_groups > 0)) return {};
+  // Fewest cells: sum of rho_g^-2 with sum of e_g rho_g^(2 rate) given has rho_g = c e_g^(-1 / (2 rate + 2)).
+  double sum = 0;
+  for (double& e : errors) sum += std::pow(e *= all / of_groups, 1 / (rate + 1));  // as if one body had both errors
+  const double c = std::pow(target * target * norm / sum, 1 / (2 * rate));
+  for (double& e : errors) e = c * std::pow(e, -1 / (2 * rate + 2));
+  return errors;
+}
+
 }  // namespace
 
 Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
@@ -96,31 +128,32 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
 }
 
 void size_by_error(const SolvedState& state, const Results& results, int p, double target, ZoneState& zone) {
-  const ContactPair& pair = state.pairs[p];
-  std::map<std::pair<int, int>, double> squared;  // by body and cell
-  double norm = 0, all = 0;
-  for (const ContactRow& row : results.contact_rows) {
-    if (row.pair != p) continue;
-    const double error = row.weight * row.pressure_error * row.pressure_error;
-    squared[{row.body, row.cell}] += error;
-    all += error;
-    const double size = size_of_traction(row, pair.bonded());
-    norm += row.weight * size * size;
+  const bool bonded = state.pairs[p].bonded();
+  const auto error = [](const ContactRow& row) { return row.pressure_error * row.pressure_error; };
+  const auto size = [&](const ContactRow& row) { return std::pow(size_of_traction(row, bonded), 2); };
+  const std::vector<double> ratios = ratios_by_error(state, results, p, target, 1, error, size);
+  for (std::size_t g = 0; g < ratios.size(); ++g)
+    zone.places[g].size *= std::clamp(ratios[g], 1 / state.scene.accuracy.most_change, largest_growth);
+}
+
+double size_by_shear(const SolvedState& state, const Results& results, int p, const ZoneState& present,
+                     ZoneState& zone) {
+  const AccuracyOptions& options = state.scene.accuracy;
+  const auto& friction = results.pairs[p].friction;
+  if (!options.shear || !zone.resolved || !friction || !friction->shear_error) return 1;
+  double smallest = 1;
+  const bool missed = *friction->shear_error > *options.shear;
+  const auto size = [](const ContactRow& row) { return row.shear_sprc.squaredNorm(); };
+  const auto error = [](const ContactRow& row) { return row.active ? squared_shear_difference(row) : 0; };
+  const std::vector<double> ratios =
+      missed ? ratios_by_error(state, results, p, options.aim * *options.shear, options.shear_rate, error, size)
+             : std::vector<double>(zone.places.size(), 1);
+  for (std::size_t g = 0; g < ratios.size(); ++g) {
+    const double ratio = std::clamp(ratios[g], 1 / options.most_change, 1.0);
+    smallest = std::min(smallest, ratio);
+    zone.places[g].size = std::min(zone.places[g].size, ratio * present.places[g].size);
   }
-  std::vector<double> errors;
-  double of_groups = 0;
-  for (std::size_t g = 0; g < pair.num_pieces(); ++g)
-    if (const ContactGroup& group = pair.groups[g]; is_closed(pair, group)) {
-      errors.push_back(squared[{group.body, group.cell}]);
-      of_groups += errors.back();
-    }
-  if (!(of_groups > 0)) return;
-  double sum = 0;
-  for (double& e : errors) sum += e = std::sqrt(e * all / of_groups);  // as if one body had the errors of both
-  for (std::size_t g = 0; g < errors.size(); ++g) {
-    const double ratio = target * std::sqrt(norm) / std::sqrt(errors[g] * sum);
-    zone.places[g].size *= std::clamp(ratio, 1 / state.scene.accuracy.most_change, largest_growth);
-  }
+  return smallest;
 }
 
 double next_size_ratio(const ZoneState& zone, double estimate, std::optional<double> target,

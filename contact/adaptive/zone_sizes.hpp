@@ -32,6 +32,12 @@ struct ZoneState {
 /// e)^(-1/2).
 void size_by_error(const SolvedState& state, const Results& results, int pair, double target, ZoneState& zone);
 
+/// Makes places of a resolved zone no larger than the shear's error asks for if it misses [accuracy] shear, as above;
+/// it is largest where stick meets slip. present: the zone with the sizes of the present cells. Returns the smallest
+/// ratio of new to present cells, at most 1.
+double size_by_shear(const SolvedState& state, const Results& results, int pair, const ZoneState& present,
+                     ZoneState& zone);
+
 /// Returns one per pair of the state.
 std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results);
 

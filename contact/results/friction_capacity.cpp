@@ -7,6 +7,7 @@
 
 #include "contact/model/around_axis.hpp"
 #include "contact/results/pair_figures.hpp"
+#include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
 #include "core/base/decompositions.hpp"
 
@@ -214,14 +215,16 @@ std::optional<double> error_of_force(const SolvedState& state, const Results& re
 
 /// Distance of the recovered shear from the transmitted one, relative; `pushed_ball`: 1.05 to 1.3 times the error
 /// (docs/accuracy.md).
-std::optional<double> error_of_shear(const Results& results, std::size_t k) {
-  double difference = 0, size = 0;
+std::optional<double> error_of_shear(const Results& results, std::size_t k, double coefficient) {
+  double difference = 0, size = 0, limit = 0;
   for (const ContactRow& row : results.contact_rows) {
     if (row.pair != static_cast<int>(k) || !row.active) continue;
-    difference += row.weight * (row.shear_sprc - row.shear_transmitted).squaredNorm();
+    difference += row.weight * squared_shear_difference(row);
     size += row.weight * row.shear_sprc.squaredNorm();
+    limit += row.weight * std::pow(coefficient * row.pressure_sprc, 2);
   }
-  return size > 0 ? std::optional<double>(std::sqrt(difference / size)) : std::nullopt;
+  if (!(size > std::pow(relevant_part_of_force, 2) * limit)) return std::nullopt;
+  return std::sqrt(difference / size);
 }
 
 /// Sets what the points of a pair do, for the thickness of the bodies.
@@ -357,7 +360,7 @@ void fill_friction(const SolvedState& state, Results& results) {
       friction.why_no_torque = "nothing presses the faces";
     }
     fill_state(state, k, friction);
-    friction.shear_error = error_of_shear(results, k);
+    friction.shear_error = error_of_shear(results, k, friction.coefficient);
     results.pairs[k].friction = friction;
   }
 }

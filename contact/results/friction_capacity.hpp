@@ -20,6 +20,11 @@ namespace cgcontact {
 /// - Force, torque, use and areas are those of the closed points, with the shear that the solution transmits.
 void fill_friction(const SolvedState& state, Results& results);
 
+/// Returns the square of the distance of a row's recovered shear from the transmitted one, Pa^2.
+inline double squared_shear_difference(const ContactRow& row) {
+  return (row.shear_sprc - row.shear_transmitted).squaredNorm();
+}
+
 /// Returns whether shear of mu p changes the pressure of a pair: it moves faces along their normals by Dundurs' second
 /// constant times the pressure's effect (Johnson, Contact Mechanics, 2.2 and 5.4), not at all for one material.
 bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair);

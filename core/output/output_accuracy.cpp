@@ -30,13 +30,14 @@ bool has_errors(const Curve& curve) {
 
 std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
   Curve pressure{"pressure", "#d2501e", accuracy.pressure, {}}, force{"force", "#2070b8", accuracy.force, {}},
-      stress{"stress", "#6a9a3a", accuracy.stress, {}};
+      shear{"shear", "#505050", accuracy.shear, {}}, stress{"stress", "#6a9a3a", accuracy.stress, {}};
   for (const SolveFigures& solve : accuracy.solves) {
     pressure.errors.push_back(solve.pressure);
     force.errors.push_back(solve.force);
+    shear.errors.push_back(solve.shear);
     stress.errors.emplace_back(solve.stress);
   }
-  std::vector<Curve> all{pressure, force, stress};
+  std::vector<Curve> all{pressure, force, shear, stress};
   constexpr const char* colours[] = {"#8a4fb0", "#b08a20", "#208a8a", "#b0406a"};
   for (std::size_t k = 0; k < accuracy.stress_of_body.size(); ++k) {
     const BodyTarget& target = accuracy.stress_of_body[k];

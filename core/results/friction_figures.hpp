@@ -44,7 +44,7 @@ struct FrictionFigures {
   double stick_area = 0, slip_area = 0;  ///< m^2, of the closed points
   double max_slip = 0;                   ///< m, since the points met
   /// Estimated error of the recovered shear, relative L2 over both faces: its distance from the transmitted one. None:
-  /// no shear.
+  /// the shear is less than a hundredth of the coefficient times the pressure.
   std::optional<double> shear_error;
   double work = 0;  ///< J, dissipated in all steps
 };

@@ -249,6 +249,7 @@ struct SolveFigures {
   /// Estimated relative errors: of the pressure and the force the largest of all pairs that matter, none while their
   /// zones are not resolved; of the stress in the energy norm.
   std::optional<double> pressure, force;
+  std::optional<double> shear;  ///< the largest of all pairs that carry shear; none: no friction, or not known
   double stress = 0;
   std::vector<double> stress_of_body;  ///< of the bodies of AccuracyFigures::stress_of_body
   /// Errors of AccuracyFigures::named; none: not known, as the pressure.
@@ -262,7 +263,7 @@ struct SolveFigures {
 struct AccuracyFigures {
   bool asked = false, reached = false;
   std::string text;                               ///< what stopped it, if it is not reached
-  std::optional<double> pressure, force, stress;  ///< targets
+  std::optional<double> pressure, force, shear, stress;  ///< targets
   std::vector<BodyTarget> stress_of_body;         ///< the same
   std::vector<NamedTarget> named;                 ///< the same
   std::vector<SolveFigures> solves;

@@ -891,6 +891,13 @@ void SceneReader::check_preload_of_steps(const TomlCursor& node) const {
               "loads = [..] and displacements = [..], without factors and interference");
 }
 
+/// Refuses a target of shear that nothing would have.
+void SceneReader::check_target_of_shear(const TomlCursor& node) const {
+  const auto has_friction = [](const ContactSpec& contact) { return contact.friction > 0; };
+  if (std::none_of(scene_.contacts.begin(), scene_.contacts.end(), has_friction))
+    node.fail("asks for the error of a shear that no contact has", "beside a [[contact]] with friction = 0.3, say");
+}
+
 const std::vector<std::string>& scene_keys() {
   static const std::vector<std::string> keys{"title",    "parameters", "plane_strain", "axisymmetric", "accuracy",
                                              "material", "body",       "support",      "load",         "contact",
@@ -935,6 +942,8 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (has_bodies) attempt([&] { find_places_of_targets(root); });
   if (has_bodies) attempt([&] { read_sections(root); });
   if (steps) attempt([&] { check_preload_of_steps(*steps); });
+  if (scene_.accuracy.shear && has_contacts)
+    attempt([&] { check_target_of_shear(root.find("accuracy")->at("shear", "")); });
   read_settings(root);
   if (const auto node = root.find("reference"); node && has_contacts)
     attempt([&] {

@@ -64,6 +64,7 @@ class SceneReader {
   void read_contact(const TomlCursor& node, std::set<std::string>& seen);
   ContactSpec read_pair(const TomlCursor& node) const;
   void check_preload_of_steps(const TomlCursor& node) const;
+  void check_target_of_shear(const TomlCursor& node) const;
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
   void add_automatic_contacts(const TomlCursor& node);
   void read_settings(const TomlCursor& root);

@@ -117,7 +117,7 @@ std::vector<BodyTarget> read_body_targets(const TomlCursor& node) {
 AccuracyOptions read_accuracy(const TomlCursor& node) {
   AccuracyOptions options;
   const std::pair<const char*, std::optional<double> AccuracyOptions::*> targets[] = {
-      {"pressure", &AccuracyOptions::pressure}, {"force", &AccuracyOptions::force}};
+      {"pressure", &AccuracyOptions::pressure}, {"force", &AccuracyOptions::force}, {"shear", &AccuracyOptions::shear}};
   std::vector<std::string> also{"stress"};
   for (const auto& [key, member] : targets) {
     also.emplace_back(key);
@@ -132,7 +132,7 @@ AccuracyOptions read_accuracy(const TomlCursor& node) {
   also.emplace_back("displacement");
   if (const auto target = node.find("displacement")) options.named = read_displacement_targets(*target);
   read_settings(node, options.settings(), "", also);
-  if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, stress, displacement = \"1 %\"");
+  if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, shear, stress, displacement = \"1 %\"");
   return options;
 }
 

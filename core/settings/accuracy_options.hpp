@@ -30,6 +30,7 @@ struct AccuracyOptions {
   // Wanted relative errors; none: not asked for.
   std::optional<double> pressure;          ///< contact pressure, L2 norm over the faces of each pair
   std::optional<double> force;             ///< contact force of each pair
+  std::optional<double> shear;             ///< friction's shear, L2 norm over the faces of each pair
   std::optional<double> stress;            ///< stress, energy norm, all bodies together
   std::vector<BodyTarget> stress_of_body;  ///< the same of single bodies
   std::vector<NamedTarget> named;          ///< pairs have their own target instead of `pressure`
@@ -61,6 +62,8 @@ struct AccuracyOptions {
   double doubtful_width = 5;
   /// Size changes at least and at most by these factors from one solve to the next.
   double least_change = 1.4, most_change = 8;
+  /// Power of the size that the shear's error falls with: its slope has no bound where stick meets slip.
+  double shear_rate = 0.6;
   /// Fraction of the target of the pressure that the force's error may take.
   double force_part = 0.7;
   /// Fraction of what the targets allow that the next grid aims at for the energy norm.
@@ -70,7 +73,7 @@ struct AccuracyOptions {
   /// Fraction of a cell: faces of an open pair this near may touch between the points where the gap is known.
   double near_gap = 0.05;
 
-  bool any() const { return pressure || force || stress || !stress_of_body.empty() || !named.empty(); }
+  bool any() const { return pressure || force || shear || stress || !stress_of_body.empty() || !named.empty(); }
   /// Returns the number among `named`; -1: the pair has none of its own.
   int named_pressure(const std::string& pair) const;
   /// Returns the target of a pair; none: its pressure is not asked for.
