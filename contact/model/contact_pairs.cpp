@@ -619,6 +619,7 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
         link->shear = sign * (*axes * points.shear[place]);
         link->slip = sign * (*axes * points.slip[place]);
         link->travelled = points.travelled[place];
+        link->wear = points.wear[place];
         link->slips = points.slips[place] != 0;
       }
     }

@@ -107,7 +107,14 @@ void set_friction(const BodyModel& model, const ContactLink* link, const Vec3& n
   row.shear_sprc = shear(row.stress_sprc);
   row.slip = model.cut_cells.grid.rotation * link->slip;
   row.travelled = link->travelled;
+  row.wear = link->wear;
   row.slips = link->slips;
+}
+
+/// Shortens the recovered shear to what friction can carry under the recovered pressure.
+void limit_shear(double friction, ContactRow& row) {
+  const double limit = friction * std::max(0.0, row.pressure_sprc), size = row.shear_sprc.norm();
+  if (size > limit) row.shear_sprc *= limit / size;
 }
 
 /// Open for certain: nothing lies opposite, or more than the larger one of both cells away.
@@ -156,6 +163,7 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   const bool carries = model.spec->rigid() || carries_pressure(state, body, cell, pair, position, n);
   if (state.scene.recovery.spr_c && (far || !carries)) row.pressure_sprc = 0;
   if (const auto face = state.faces.at(pair, body, row.x, n)) row.pressure_sprc = face->pressure;
+  limit_shear(state.pairs[pair].friction(), row);
   return row;
 }
 

@@ -107,6 +107,7 @@ void Friction::forget() {
     FrictionPoints points;
     points.slip.assign(count, Vec3::Zero());
     points.travelled.assign(count, 0.0);
+    points.wear.assign(count, 0.0);
     history_.push_back(points);
   }
 }
@@ -325,6 +326,7 @@ std::vector<FrictionPoints> Friction::with_step(const Now& state) const {
       const Vec3 step = global(state.slip);
       points.slip[q] += step;
       points.travelled[q] += step.norm();
+      if (state.slips(point)) points.wear[q] += bound(point) / pair.friction() * step.norm();
       points.work -= pair.points.weight(q) * points.shear[q].dot(step);
     }
   }

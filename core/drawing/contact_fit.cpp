@@ -88,7 +88,10 @@ std::optional<ContactFit::Values> ContactFit::at(const Vec3& x, double cell) {
   if (neighbours.rows.empty()) return std::nullopt;
   return Values{neighbours.fit([](const ContactRow& row) { return row.gap; }),
                 neighbours.fit([](const ContactRow& row) { return row.pressure_sprc; }),
-                neighbours.fit([](const ContactRow& row) { return row.pressure_error; })};
+                neighbours.fit([](const ContactRow& row) { return row.pressure_error; }),
+                neighbours.fit([](const ContactRow& row) { return row.shear_sprc.norm(); }),
+                neighbours.fit([](const ContactRow& row) { return row.slip.norm(); }),
+                neighbours.fit([](const ContactRow& row) { return row.wear; })};
 }
 
 }  // namespace cgcontact

@@ -61,6 +61,7 @@ void add_triangle(const Vec3& centroid, double spacing, const std::vector<const 
   surface.shear.push_back(nearest_row->shear_sprc);
   surface.slip.push_back(nearest_row->slip);
   surface.slips.push_back(nearest_row->slips);
+  surface.wear.push_back(nearest_row->wear);
 }
 
 /// Pieces that hold rows but no triangle: slivers too thin to draw, whose face appears on a neighbouring cell.

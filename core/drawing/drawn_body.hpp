@@ -54,9 +54,10 @@ struct ContactSurface {
   std::vector<int> point;          ///< of the mesh of the drawn body
   std::vector<std::array<int, 3>> triangles;
   std::vector<int> body, pair, active;  ///< per triangle
-  /// Per triangle, of the nearest row: ContactRow::shear_sprc (Pa), slip (m), slips. Without friction zero.
+  /// Per triangle, of the nearest row: ContactRow::shear_sprc (Pa), slip (m), slips, wear. Without friction zero.
   std::vector<Vec3> shear, slip;
   std::vector<int> slips;
+  std::vector<double> wear;  ///< Pa m
   std::vector<int> cell;  ///< per triangle, active cell of the body
   /// Mean of the nearby rows; gap NaN: nothing opposite. The triangle nearest to the largest pressure of a pair has the
   /// values of that row, so that the largest value is that of the report.

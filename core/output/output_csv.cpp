@@ -23,7 +23,7 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
       "body,pair,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active";
   const bool friction = has_friction(results);
   text += friction ? ",shear_transmitted_x,shear_transmitted_y,shear_transmitted_z,shear_x,shear_y,shear_z,slip_x,slip_"
-                     "y,slip_z,travelled,slips\n"
+                     "y,slip_z,travelled,slips,wear\n"
                    : "\n";
   for (const ContactRow& row : results.contact_rows) {
     text += names.at(row.body) + "," + pairs.at(row.pair);
@@ -34,7 +34,8 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
     if (friction) {
       for (const Vec3& v : {row.shear_transmitted, row.shear_sprc, row.slip})
         for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
-      fmt::format_to(std::back_inserter(text), ",{:.{}g},{}", row.travelled, digits, row.slips ? 1 : 0);
+      fmt::format_to(std::back_inserter(text), ",{:.{}g},{},{:.{}g}", row.travelled, digits, row.slips ? 1 : 0,
+                     row.wear, digits);
     }
     text += "\n";
   }

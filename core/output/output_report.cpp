@@ -86,6 +86,7 @@ Json json_of(const FrictionFigures& friction) {
   json["slip_area"] = friction.slip_area;
   json["max_slip"] = friction.max_slip;
   json["work"] = friction.work;
+  json["wear"] = friction.wear;
   json["shear_error_estimate"] = json_of(friction.shear_error);
   json["verdict"] = verdict_on(friction);
   return json;

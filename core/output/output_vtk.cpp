@@ -375,6 +375,7 @@ void write_vtk_contact(const ContactSurface& surface, bool friction, const std::
     file.write("/VTKHDF/CellData/shear", flat(surface.shear, 0.0f), 3);
     file.write("/VTKHDF/CellData/slip", flat(surface.slip, 0.0f), 3);
     file.write("/VTKHDF/CellData/slips", surface.slips);
+    file.write("/VTKHDF/CellData/wear", surface.wear);
   }
   for (int k = 0; k < ContactSurface::num_values; ++k) {
     std::vector<float> of_triangles, of_points;

@@ -47,6 +47,7 @@ struct FrictionFigures {
   /// the shear is less than a hundredth of the coefficient times the pressure.
   std::optional<double> shear_error;
   double work = 0;  ///< J, dissipated in all steps
+  double wear = 0;  ///< J, integral of ContactRow::wear: times Archard's coefficient over the hardness, m^3 worn off
 };
 
 /// "sticks everywhere", "partial slip: ..." or "slips everywhere"; "" without contact.

@@ -51,6 +51,7 @@ struct ContactLink {
   Vec3 shear = Vec3::Zero();     ///< Pa, what friction acts with on this body, grid axes
   Vec3 slip = Vec3::Zero();      ///< m, of this body against the other one, grid axes
   double travelled = 0;          ///< m, length of all slip
+  double wear = 0;               ///< Pa m, pressure times slip, of all steps
   bool slips = false;            ///< friction carries no more here
 };
 

@@ -82,7 +82,7 @@ class Friction(unittest.TestCase):
             self.assertIn(f'<data value="{value}">', page)
         self.assertIn(pair["verdict"], page)
         head = pathlib.Path("fit/contact.csv").read_text().splitlines()[0]
-        self.assertTrue(head.endswith("shear_x,shear_y,shear_z,slip_x,slip_y,slip_z,travelled,slips"), head)
+        self.assertTrue(head.endswith("shear_x,shear_y,shear_z,slip_x,slip_y,slip_z,travelled,slips,wear"), head)
 
     def test_too_much(self):
         """600 N m slide: no result, and how much more the load needs."""

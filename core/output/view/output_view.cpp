@@ -31,6 +31,8 @@ constexpr double bytes_of_triangle = 6.5, bytes_of_point = 24, bytes_of_fields =
 /// Bytes of a cell or block inside: corners, stress error, status, and the values at about one corner.
 constexpr double bytes_of_block = 12 + bytes_of_point;
 constexpr int colours = 256;
+/// Values at a point of a contact face: gap, pressure, its error; with friction shear, slip, wear.
+constexpr std::size_t columns_without_friction = 3, contact_columns = 6;
 
 Json json_of(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
 
@@ -83,7 +85,7 @@ class ContactTriangles {
   std::size_t next_ = 0;
 };
 
-/// Triangles of one surface, face, pair and state of contact.
+/// Triangles of one surface, face, pair and state of contact (0: open, 1: closed, 2: and slips).
 struct Group {
   int surface = 0, region = -1, pair = -1, closed = 0;
   bool operator<(const Group& o) const {
@@ -132,7 +134,7 @@ class BodyBoundary {
     if (parts_.faces) group.region = parts_.faces->region_of_triangle[body_][triangle.source];
     if (const int contact = contact_triangles[triangle.source]; contact >= 0) {
       group.pair = parts_.surface.pair[contact];
-      group.closed = parts_.surface.active[contact];
+      group.closed = parts_.surface.active[contact] ? 1 + (parts_.surface.slips[contact] ? 1 : 0) : 0;
     }
     return group;
   }
@@ -170,7 +172,8 @@ class BodyBoundary {
   }
 
   Json contact() const {
-    using Row = std::array<double, 3>;
+    using Row = std::array<double, contact_columns>;
+    const std::size_t columns = has_friction(parts_.results) ? contact_columns : columns_without_friction;
     const CutCells& cells = *parts_.results.bodies[body_].cut_cells;
     ContactFit fit(parts_.results, static_cast<int>(body_));
     std::vector<Row> rows;
@@ -180,18 +183,19 @@ class BodyBoundary {
       rows.push_back(
           {mean[ContactSurface::gap], mean[ContactSurface::pressure_sprc], mean[ContactSurface::pressure_error]});
       if (const auto values = fit.at(drawn_.position[p], cells.h(drawn_.mesh.cell_of_point[p])))
-        rows.back() = {values->gap, values->pressure, values->pressure_error};
+        rows.back() = {values->gap,   values->pressure, values->pressure_error,
+                       values->shear, values->slip,     values->wear};
     }
     place_largest(rows);
     Json json;
     json["points"] = pack_ascending(contact_points_);
-    json["values"] = packed_rows(rows.size(), 3, [&](std::size_t i) { return rows[i]; });
+    json["values"] = packed_rows(rows.size(), columns, [&](std::size_t i) { return rows[i]; });
     return json;
   }
 
   /// Fits are below the largest pressure: the point nearest to that of each pair gets it, so that it is the report's.
   /// On a quadtree nothing varies across: all points that differ in this only get it.
-  void place_largest(std::vector<std::array<double, 3>>& rows) const {
+  void place_largest(std::vector<std::array<double, contact_columns>>& rows) const {
     const Grid& grid = parts_.results.bodies[body_].cut_cells->grid;
     constexpr double same = 1e-6;              // of a cell: rounding is far below
     std::map<int, const ContactRow*> largest;  // by pair

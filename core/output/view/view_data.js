@@ -105,13 +105,18 @@ function readGroups(packed, read) {
   });
 }
 
+/* Of a point of a contact face: gap, pressure, its error; shear, slip, wear. */
+const CONTACT_COLUMNS = 6;
+
 function readContact(packed, body) {
   if (!packed.contact) return;
   const points = unpackAscending(packed.contact.points), values = unpack(packed.contact.values);
-  body.contact = new Float64Array(packed.points * 3).fill(NaN);
+  const columns = values.length / points.length;  // fewer without friction
+  body.contact = new Float64Array(packed.points * CONTACT_COLUMNS).fill(NaN);
   points.forEach((point, i) => {
-    for (let k = 0; k < 3; ++k) body.contact[3 * point + k] = values[3 * i + k];
+    for (let k = 0; k < columns; ++k) body.contact[CONTACT_COLUMNS * point + k] = values[columns * i + k];
   });
+  if (columns === CONTACT_COLUMNS) body.friction = body.contact;
 }
 
 function readInside(packed) {
@@ -239,8 +244,8 @@ const stressField = (id, name, of) =>
     ({id, name, unit: "Pa", at: "point", needs: "stress", of: (o, p) => of(o.stress, 6 * p)});
 const moveField = (id, name, of) =>
     ({id, name, unit: "m", at: "point", needs: "displacement", of: (o, p) => of(o.displacement, 3 * p)});
-const contactField = (id, name, unit, k) =>
-    ({id, name, unit, at: "contact", needs: "contact", of: (o, p) => o.contact[3 * p + k]});
+const contactField = (id, name, unit, k, needs = "contact") =>
+    ({id, name, unit, at: "contact", needs, of: (o, p) => o.contact[CONTACT_COLUMNS * p + k]});
 
 /* Components by name: those of a body of revolution are the same at each angle; the others are zero. */
 const letters = ["x", "y", "z"];
@@ -256,6 +261,7 @@ if (revolved) {
       ["displacement_" + a, `displacement ${a} (axial)`, axis]);
 }
 
+const withFriction = bodies.some((body) => body.friction);
 const fields = [
   stressField("von_mises", "von Mises stress", vonMises),
   stressField(
@@ -273,6 +279,9 @@ const fields = [
   contactField("pressure", "contact pressure", "Pa", 1),
   contactField("gap", "contact gap", "m", 0),
   contactField("pressure_error", "estimated error of the contact pressure", "Pa", 2),
+  contactField("shear", "friction: shear", "Pa", 3, "friction"),
+  contactField("slip", "friction: slip", "m", 4, "friction"),
+  contactField("wear", "friction: wear (pressure times slip)", "J/m²", 5, "friction"),
   {
     id: "error",
     name: "estimated error of the stress (of a cell)",
@@ -282,24 +291,29 @@ const fields = [
     logarithmic: true
   },
   {id: "status", name: "status of the patches", at: "kind", needs: "status"},
-  {id: "closed", name: "contact: closed, open", at: "kind", needs: "contact"},
+  {id: "closed", name: withFriction ? "contact: closed, slips, open" : "contact: closed, open", at: "kind", needs: "contact"},
   {id: "role", name: "supports, loads, contact", at: "kind"},
   {id: "bodies", name: "bodies", at: "kind"},
 ].filter((field) => !field.needs || bodies.some((body) => body[field.needs]));
+
+/* Of the contact, and their numbers by what the data say: open, closed, closed and slips. */
+const contactKinds = [{name: "closed", colour: "#c8553d"}, {name: "open", colour: "#7fb2d9"}];
+if (withFriction) contactKinds.splice(1, 0, {name: "closed, slips", colour: "#e9b44c"});
+const kindOfContact = [contactKinds.length - 1, 0, 1];
 
 const kindColours = ["#4e9a51", "#e9b44c", "#c8553d", "#8f5fa8", "#3d7ea6", "#d98cb3", "#7a6a58", "#2f9e94"];
 
 /* Index into kinds() of a triangle, or -1. */
 function kindOf(field, body, triangle) {
   if (field.id === "status") return body.status ? body.status[triangle] : -1;
-  if (field.id === "closed") return body.pair[triangle] < 0 ? -1 : body.closed[triangle] ? 0 : 1;
+  if (field.id === "closed") return body.pair[triangle] < 0 ? -1 : kindOfContact[body.closed[triangle]];
   if (field.id === "role") return body.face[triangle];
   return body.index;
 }
 
 function kinds(field) {
   if (field.id === "status") return data.status_names.map((name, k) => ({name, colour: kindColours[k % 8]}));
-  if (field.id === "closed") return [{name: "closed", colour: "#c8553d"}, {name: "open", colour: "#7fb2d9"}];
+  if (field.id === "closed") return contactKinds;
   if (field.id === "role") return data.faces;
   return bodies;
 }
@@ -337,7 +351,8 @@ function cornerValues(body, field) {
 
 const UNITS = {
   Pa: [[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"], [1, "Pa"]],
-  m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]]
+  m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]],
+  "J/m²": [[1e6, "MJ/m²"], [1e3, "kJ/m²"], [1, "J/m²"], [1e-3, "mJ/m²"]]
 };
 
 function unitFor(kind, size) {
