@@ -54,9 +54,10 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
 }
 
 /// Returns the ratios of new to present cells of the closed groups of a pair (one per place of its zone) with the fewest
-/// cells in two dimensions: errors of groups fall like h^rate. error, size: of a row, squared. Empty: no error.
+/// cells for `target` as the relative error, as errors fall like the size. error, size: of a row, squared. Empty: no
+/// error.
 template <class ErrorOf, class SizeOf>
-std::vector<double> ratios_by_error(const SolvedState& state, const Results& results, int p, double target, double rate,
+std::vector<double> ratios_by_error(const SolvedState& state, const Results& results, int p, double target,
                                     const ErrorOf& error_of, const SizeOf& size_of) {
   const ContactPair& pair = state.pairs[p];
   std::map<std::pair<int, int>, double> squared;  // by body and cell
@@ -76,11 +77,9 @@ std::vector<double> ratios_by_error(const SolvedState& state, const Results& res
       of_groups += errors.back();
     }
   if (!(of_groups > 0)) return {};
-  // Fewest cells: sum of rho_g^-2 with sum of e_g rho_g^(2 rate) given has rho_g = c e_g^(-1 / (2 rate + 2)).
   double sum = 0;
-  for (double& e : errors) sum += std::pow(e *= all / of_groups, 1 / (rate + 1));  // as if one body had both errors
-  const double c = std::pow(target * target * norm / sum, 1 / (2 * rate));
-  for (double& e : errors) e = c * std::pow(e, -1 / (2 * rate + 2));
+  for (double& e : errors) sum += e = std::sqrt(e * all / of_groups);  // as if one body had the errors of both
+  for (double& e : errors) e = target * std::sqrt(norm) / std::sqrt(e * sum);
   return errors;
 }
 
@@ -131,7 +130,7 @@ void size_by_error(const SolvedState& state, const Results& results, int p, doub
   const bool bonded = state.pairs[p].bonded();
   const auto error = [](const ContactRow& row) { return row.pressure_error * row.pressure_error; };
   const auto size = [&](const ContactRow& row) { return std::pow(size_of_traction(row, bonded), 2); };
-  const std::vector<double> ratios = ratios_by_error(state, results, p, target, 1, error, size);
+  const std::vector<double> ratios = ratios_by_error(state, results, p, target, error, size);
   for (std::size_t g = 0; g < ratios.size(); ++g)
     zone.places[g].size *= std::clamp(ratios[g], 1 / state.scene.accuracy.most_change, largest_growth);
 }
@@ -146,7 +145,7 @@ double size_by_shear(const SolvedState& state, const Results& results, int p, co
   const auto size = [](const ContactRow& row) { return row.shear_sprc.squaredNorm(); };
   const auto error = [](const ContactRow& row) { return row.active ? squared_shear_difference(row) : 0; };
   const std::vector<double> ratios =
-      missed ? ratios_by_error(state, results, p, options.aim * *options.shear, options.shear_rate, error, size)
+      missed ? ratios_by_error(state, results, p, options.aim * *options.shear, error, size)
              : std::vector<double>(zone.places.size(), 1);
   for (std::size_t g = 0; g < ratios.size(); ++g) {
     const double ratio = std::clamp(ratios[g], 1 / options.most_change, 1.0);

@@ -15,7 +15,6 @@ std::vector<Setting> AccuracyOptions::settings() {
           method_constant("narrowing", narrowing, Range::from_to(2, 1000, "2 to 1000")),
           method_constant("aim", aim, Range::fraction()),
           method_constant("rate", rate, Range::positive()),
-          method_constant("shear_rate", shear_rate, Range::positive()),
           method_constant("safety", safety, Range::positive()),
           method_constant("doubtful_width", doubtful_width, Range::not_negative("cells")),
           method_constant("energy_aim", energy_aim, Range::fraction()),

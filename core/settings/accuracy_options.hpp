@@ -62,8 +62,6 @@ struct AccuracyOptions {
   double doubtful_width = 5;
   /// Size changes at least and at most by these factors from one solve to the next.
   double least_change = 1.4, most_change = 8;
-  /// Power of the size that the shear's error falls with: its slope has no bound where stick meets slip.
-  double shear_rate = 0.6;
   /// Fraction of the target of the pressure that the force's error may take.
   double force_part = 0.7;
   /// Fraction of what the targets allow that the next grid aims at for the energy norm.

@@ -18,7 +18,7 @@ double ordered_product(const TpetraVector& x, const TpetraVector& y) {
   const auto local = [](const TpetraVector& v) {
     return Kokkos::subview(v.getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
   };
-  double sum = dot(ExecSpace(), local(x), local(y));
+  double sum = dot(TpetraVector::execution_space(), local(x), local(y));  // the instance of Tpetra's own vector work
   if (x.getMap()->isDistributed()) sum_over_ranks(&sum, 1);
   return sum;
 }

@@ -157,8 +157,7 @@ struct Mindlin {
 };
 
 /// Shear within 0.3 in L2 with eight cells over the contact radius (0.15 with sixteen, docs/accuracy.md; it falls like
-/// the square root of a cell at the front of slip), the stick radius within 1.5 cells, and no shear beyond mu p but
-/// at the rim of the zone.
+/// the square root of a cell at the front of slip), the stick radius within 1.5 cells, and no shear beyond mu p.
 TEST(FrictionOfBall, PushedBallSticksInTheMiddle) {
   constexpr int n = 8;
   constexpr double a_over_R = 1.0 / 60;
@@ -169,22 +168,19 @@ TEST(FrictionOfBall, PushedBallSticksInTheMiddle) {
   ASSERT_GT(exact.Q / (0.3 * exact.P), 0.3);
   ASSERT_LT(exact.Q / (0.3 * exact.P), 0.8);
   const double stick = std::sqrt(2 * friction(r).stick_area / pi);
-  double error[2] = {0, 0}, norm[2] = {0, 0}, beyond = 0, carried = 0;
+  double error[2] = {0, 0}, norm[2] = {0, 0};
   for (const ContactRow& row : r.contact_rows) {
     if (!row.touching) continue;
     const double sign = row.body == 0 ? -1 : 1;  // friction holds the ball back
     const double tau = exact.shear(std::hypot(row.x[0], row.x[1]));
     error[row.body] += row.weight * (row.shear_sprc - Vec3(sign * tau, 0, 0)).squaredNorm();
     norm[row.body] += row.weight * tau * tau;
-    beyond += row.weight * std::pow(std::max(0.0, row.shear_sprc.norm() - 0.3 * std::max(0.0, row.pressure_sprc)), 2);
-    carried += row.weight * row.shear_sprc.squaredNorm();
+    EXPECT_LE(row.shear_sprc.norm(), (1 + 1e-12) * 0.3 * std::max(0.0, row.pressure_sprc));
   }
-  std::printf("Q/(mu P) %.3f, c/a %.4f, exact %.4f; shear %.3f and %.3f off, beyond mu p %.3f\n",
-              exact.Q / (0.3 * exact.P), stick / exact.a, exact.c / exact.a, std::sqrt(error[0] / norm[0]),
-              std::sqrt(error[1] / norm[1]), std::sqrt(beyond / carried));
+  std::printf("Q/(mu P) %.3f, c/a %.4f, exact %.4f; shear %.3f and %.3f off\n", exact.Q / (0.3 * exact.P),
+              stick / exact.a, exact.c / exact.a, std::sqrt(error[0] / norm[0]), std::sqrt(error[1] / norm[1]));
   EXPECT_NEAR(stick, exact.c, 1.5 * 5e-4 / n);
   for (int b = 0; b < 2; ++b) EXPECT_LT(std::sqrt(error[b] / norm[b]), 0.3);
-  EXPECT_LT(std::sqrt(beyond / carried), 0.06);
 }
 
 /// Pushed to and fro: the loop closes, every step dissipates, and a whole cycle what Mindlin and Deresiewicz (1953) say
