@@ -15,13 +15,24 @@ constexpr double near_largest = 0.9, reach = 4;
 constexpr double rank_tolerance = 1e-6;
 constexpr int num_coefficients = 6;
 
-std::vector<const ContactRow*> rows_of_peak(const std::vector<ContactRow>& rows, int pair, const PairFigures& figures) {
-  std::vector<const ContactRow*> peak;
+/// Rows whose pressure is about the largest of their pair: any of them may have the largest of the exact one.
+std::vector<const ContactRow*> rows_near_largest(const std::vector<ContactRow>& rows, int pair,
+                                                 const PairFigures& figures) {
+  std::vector<const ContactRow*> near;
   for (const ContactRow& row : rows)
-    if (row.pair == pair && row.touching && row.pressure_sprc >= near_largest * figures.max_pressure &&
-        (row.x - figures.max_pressure_at).norm() <= reach * row.larger_cell)
-      peak.push_back(&row);
-  return peak;
+    if (row.pair == pair && row.touching && row.pressure_sprc >= near_largest * figures.max_pressure)
+      near.push_back(&row);
+  return near;
+}
+
+/// Those around the largest pressure.
+std::vector<const ContactRow*> rows_of_peak(std::vector<const ContactRow*> rows, const PairFigures& figures) {
+  rows.erase(std::remove_if(rows.begin(), rows.end(),
+                            [&](const ContactRow* row) {
+                              return (row->x - figures.max_pressure_at).norm() > reach * row->larger_cell;
+                            }),
+             rows.end());
+  return rows;
 }
 
 /// Largest value at the rows of the quadratic function that fits them best, weighted by their areas, Pa.
@@ -61,15 +72,12 @@ void estimate_peak_errors(Results& results) {
     if (!(figures.max_pressure > 0) || results.verdict.pairs[p].state != Verdict::State::resolved ||
         is_singular(results, figures.max_pressure_at))
       continue;
-    const std::vector<const ContactRow*> peak = rows_of_peak(results.contact_rows, static_cast<int>(p), figures);
-    double squares = 0, area = 0;
-    for (const ContactRow* row : peak) {
-      squares += row->weight * row->pressure_error * row->pressure_error;
-      area += row->weight;
-    }
-    const double excess = std::abs(figures.max_pressure - largest_of_fit(peak, figures));
+    const auto near = rows_near_largest(results.contact_rows, static_cast<int>(p), figures);
+    double largest_error = 0;
+    for (const ContactRow* row : near) largest_error = std::max(largest_error, row->pressure_error);
+    const double excess = std::abs(figures.max_pressure - largest_of_fit(rows_of_peak(near, figures), figures));
     figures.max_pressure_error_estimate =
-        std::hypot((excess + std::sqrt(squares / area)) / figures.max_pressure, figures.force_part_of_pressure);
+        std::hypot((excess + largest_error) / figures.max_pressure, figures.force_part_of_pressure);
   }
 }
 

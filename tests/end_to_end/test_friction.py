@@ -258,7 +258,7 @@ class Friction(unittest.TestCase):
         a = math.sqrt(4 * P * 0.01 * 2 * 0.91 / (math.pi * 210e9))
         c, peak = a * math.sqrt(1 - Q / (0.3 * P)), 0.3 * 2 * P / (math.pi * a)
         off = norm = 0
-        for row in csv.DictReader(pathlib.Path(name, "contact.csv").open()):
+        for row in csv.DictReader(pathlib.Path(name, "contact.csv").read_text().splitlines()):
             value = {key: float(row[key]) for key in ("y", "weight", "shear_y", "pressure_sprc")}
             half = lambda r: math.sqrt(max(0, r * r - value["y"]**2))
             exact = peak / a * (half(a) - half(c))
@@ -282,7 +282,7 @@ class Friction(unittest.TestCase):
     def test_shear_target_without_friction(self):
         outcome = cgcontact("run", scene("ball_on_plate"), "--out", "none", *settings(accuracy__shear="10%"))
         self.assertEqual(outcome.code, 1)
-        self.assertIn("accuracy.shear asks for the error of a shear that no contact has", outcome.err)
+        self.assertIn("asks for the error of a shear that no contact has", outcome.err)
 
     def test_ranks(self):
         if not shutil.which("mpirun") or SLOW_BUILD:
