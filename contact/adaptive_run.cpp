@@ -366,7 +366,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
     energies_.push_back(cell_energies(results));
   } else {
     figures_.text = fmt::format("solve {} did not converge: {}", figures_.solves.size() + 1, results.diagnosis);
-    may_converge_when_finer_ = state.outer.ran_out;
+    may_converge_when_finer_ = state.outer.other_cells_may_help;
   }
   solve.unknowns = results.unknowns;
   solve.outer_iterations = results.outer_iterations;

@@ -197,6 +197,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
     }
     if (!fault.empty()) {
       state.outer.converged = false;
+      state.outer.other_cells_may_help = true;
       state.outer.diagnosis = fault;
     }
     if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing

@@ -197,7 +197,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     }
   }
   polish(result);
-  result.ran_out = true;
+  result.other_cells_may_help = true;
   result.diagnosis =
       history.cycles() ? history.describe(problem_.pairs) : describe_residual(settings(), result.residuals);
   return result;
@@ -224,10 +224,11 @@ void ContactSolver::Impl::take_turned_rows() {
   now_.set_rigid_parts_aside();  // what they do to the rows
 }
 
-/// Close to sliding, friction converges slowly but surely.
+/// Allows more than max_outer_iterations while the residual falls: bodies that roll on an edge and friction close to
+/// sliding converge slowly but surely.
 bool ContactSolver::Impl::may_go_on(int iteration, const std::vector<double>& residuals) const {
   const int most = settings().max_outer_iterations;
-  if (iteration <= most || !now_.friction.any()) return iteration <= most;
+  if (iteration <= most) return true;
   const std::size_t n = residuals.size();
   return n > falls_in && residuals[n - 1] < falls_to * residuals[n - 1 - falls_in] && iteration <= longest * most;
 }

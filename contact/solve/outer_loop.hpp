@@ -42,7 +42,7 @@ struct OuterResult {
   std::vector<int> small_zone_groups;               ///< of each pair: that press by a zone smaller than the cells
   std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
-  bool ran_out = false;  ///< of iterations: on other cells it may converge
+  bool other_cells_may_help = false;  ///< it ran out of iterations, or a contact was lost
   /// Stopped because a body wanders along surfaces: to be held (surface_wanderers.hpp), and solved again.
   bool wanders = false;
   std::string diagnosis;
