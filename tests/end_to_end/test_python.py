@@ -4,6 +4,7 @@ program's messages as exceptions, Ctrl-C, and the scripts of examples/."""
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -338,17 +339,39 @@ class Python(unittest.TestCase):
     def test_examples(self):
         """Every script runs; those that need a package that is not here are skipped, and counted."""
         scripts, skipped = sorted((harness.SOURCE / "examples").glob("*.py")), []
-        self.assertEqual(len(scripts), 4)
+        self.assertEqual(len(scripts), 5)
         for script in scripts:
             with self.subTest(script=script.name):
-                done = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment(), check=False)
+                picture = ["map.png"] if script.name == "fretting_map.py" else []
+                done = subprocess.run([sys.executable, script, *picture], capture_output=True, text=True,
+                                      env=environment(), check=False)
                 if "No module named" in done.stderr:
                     skipped.append(script.name)
                     continue
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertGreater(len(done.stdout), 20)
+                if picture:
+                    self.check_fretting_map(done.stdout)
         print("skipped for lack of packages:", skipped)
         self.assertLessEqual(len(skipped), 2, "scipy and meshio at most")
+
+    def check_fretting_map(self, text):
+        """Regimes are in order for every force; gross slip dissipates 4 mu P more for each micrometre; the picture."""
+        rows = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()[1:] if line.strip()[0].isdigit()]
+        order, forces = ["sticks", "partial slip", "gross slip"], sorted({float(row[0]) for row in rows})
+        self.assertEqual({row[4] for row in rows}, set(order))
+        for force in forces:
+            series = [row for row in rows if float(row[0]) == force]
+            regimes = [order.index(row[4]) for row in series]
+            self.assertEqual(regimes, sorted(regimes))
+            for column in (5, 6):
+                values = [float(row[column]) for row in series]
+                self.assertEqual(values, sorted(values))
+            sliding = [row for row in series if row[4] == "gross slip"]
+            for first, second in zip(sliding, sliding[1:]):
+                work, path = float(second[5]) - float(first[5]), 4 * (float(second[1]) - float(first[1]))
+                self.assertAlmostEqual(work / (0.5 * force * path), 1, delta=1e-3)
+        self.assertEqual(pathlib.Path("map.png").is_file(), "matplotlib is missing" not in text)
 
 
 if __name__ == "__main__":
