@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 300
+# timeout: 330
 """Joints that friction holds: a bolted lap joint in shear (scenes/bolted_joint_slip.toml) below and above what its
 plates hold, on two positions of the grids, and with a bolt that bears a share; a press fit turned and pulled."""
 import math
