@@ -8,7 +8,6 @@ Archard's coefficient over the hardness it is the depth worn off.
 """
 import math
 import sys
-import tempfile
 
 import cgcontact
 
@@ -53,13 +52,6 @@ def regime(slipping):
     return "sticks" if slipping < HARDLY else "partial slip" if slipping < 1 else "gross slip"
 
 
-def largest_wear(result):
-    """Finds the largest pressure times slip, Pa m, a column of contact.csv."""
-    with tempfile.TemporaryDirectory() as directory:
-        result.write(directory)
-        return cgcontact.load(directory).contact["wear"].max()
-
-
 def draw(found, picture):
     """Draws the map, if matplotlib is there."""
     try:
@@ -90,6 +82,6 @@ for force in LINE_FORCES:
         slipping = last["slip_area"] / (last["slip_area"] + last["stick_area"])
         found.append((force, stroke, regime(slipping)))
         print(f"{force / 1e3:8g} {1e6 * stroke:7g} {last['use']:9.3f} {100 * slipping:7.1f} %  {found[-1][2]:12} "
-              f"{1e3 * work / t:12.2f} {largest_wear(result):12.1f}")
+              f"{1e3 * work / t:12.2f} {result.contact['wear'].max():12.1f}")
 if len(sys.argv) > 1:
     draw(found, sys.argv[1])

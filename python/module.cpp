@@ -240,6 +240,13 @@ class PythonResult {
     all["pressure_error"] = view_of_rows(rows, &ContactRow::pressure_error, self);
     all["stress"] = view_of_vectors(rows, &ContactRow::stress_sprc, self);
     all["active"] = view_of_rows(rows, &ContactRow::active, self);
+    if (!has_friction(results())) return all;
+    all["shear_transmitted"] = view_of_vectors(rows, &ContactRow::shear_transmitted, self);
+    all["shear"] = view_of_vectors(rows, &ContactRow::shear_sprc, self);
+    all["slip"] = view_of_vectors(rows, &ContactRow::slip, self);
+    all["travelled"] = view_of_rows(rows, &ContactRow::travelled, self);
+    all["slips"] = view_of_rows(rows, &ContactRow::slips, self);
+    all["wear"] = view_of_rows(rows, &ContactRow::wear, self);
     return all;
   }
 

@@ -110,6 +110,7 @@ class FrictionZone {
   }
 
   double force() const { return force_; }
+  const std::vector<SymmetryPlane>& planes() const { return place_.planes; }
   double parts() const { return std::pow(2.0, static_cast<double>(place_.planes.size())); }
 
   /// Finds axis and capacity, without the error; or says why there is none.
@@ -227,8 +228,24 @@ std::optional<double> error_of_shear(const Results& results, std::size_t k, doub
   return std::sqrt(difference / size);
 }
 
-/// Sets what the points of a pair do, for the thickness of the bodies.
-void fill_state(const SolvedState& state, std::size_t k, FrictionFigures& friction) {
+/// Returns how much of its capacity friction uses. In the whole zone, behind planes of symmetry too, forces across a
+/// plane cancel, and torques about axes in it. Force and torque together slide where the sum of the squares of their
+/// uses is about 1: exactly on a cylinder, within some per cent on flat faces (Howe and Cutkosky, IJRR 15 (1996) 557).
+double use_of(const FrictionFigures& friction, const std::vector<SymmetryPlane>& planes) {
+  Vec3 force = friction.force;
+  bool turns = friction.torque && friction.torque->capacity > 0;
+  for (const SymmetryPlane& plane : planes) {
+    force -= plane.normal.dot(force) * plane.normal;
+    turns = turns && std::abs(plane.normal.dot(friction.torque->axis.direction)) > 1 - no_angle;
+  }
+  return std::hypot(force.norm() / friction.capacity,
+                    turns ? friction.torque->carried / friction.torque->capacity : 0.0);
+}
+
+/// Sets what the points of a pair do, for the thickness of the bodies. planes: of symmetry, behind which the zone goes
+/// on.
+void fill_state(const SolvedState& state, std::size_t k, const std::vector<SymmetryPlane>& planes,
+                FrictionFigures& friction) {
   const ContactPair& pair = state.pairs[k];
   const FrictionPoints& points = state.outer.friction[k];
   const double thickness = state.bodies[pair.primary].slices;
@@ -249,9 +266,7 @@ void fill_state(const SolvedState& state, std::size_t k, FrictionFigures& fricti
   friction.work = thickness * points.work;
   if (!(friction.capacity > 0)) return;
   sum_around_axis(*state.bodies[pair.primary].spec, friction.force);
-  friction.use = friction.force.norm() / friction.capacity;
-  if (const auto& torque = friction.torque; torque && torque->capacity > 0)
-    friction.use = std::max(*friction.use, std::abs(torque->carried) / torque->capacity);
+  friction.use = use_of(friction, planes);
 }
 
 }  // namespace
@@ -349,10 +364,12 @@ void fill_friction(const SolvedState& state, Results& results) {
     if (!(pair.spec->friction > 0)) continue;
     FrictionFigures friction;
     friction.coefficient = pair.spec->friction;
+    std::vector<SymmetryPlane> planes;
     if (results.pairs[k].area > 0) {
       const FrictionZone zone(state, results, static_cast<int>(k), group_force);
       friction.capacity = pair.spec->friction * zone.force();
       friction.whole = zone.parts() * friction.capacity;
+      planes = zone.planes();
       friction.error = error_of_force(state, results, k, zone.force());
       friction.torque = zone.torque(friction.why_no_torque);
       if (friction.torque && friction.error)
@@ -360,7 +377,7 @@ void fill_friction(const SolvedState& state, Results& results) {
     } else {
       friction.why_no_torque = "nothing presses the faces";
     }
-    fill_state(state, k, friction);
+    fill_state(state, k, planes, friction);
     friction.shear_error = error_of_shear(results, k, friction.coefficient);
     results.pairs[k].friction = friction;
   }

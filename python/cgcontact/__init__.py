@@ -132,7 +132,8 @@ def _report(self):
 
 def _contact_arrays(self):
     """A row per boundary point of the contact faces: `x`, `normal` (n, 3) m; `weight` m^2, `gap` m, `pressure_sprc` (the result),
-    `pressure_spr`, `pressure_raw`, `pressure_error` Pa, `stress` (n, 6) Pa, `active`, `body`, `pair`. Read-only views."""
+    `pressure_spr`, `pressure_raw`, `pressure_error` Pa, `stress` (n, 6) Pa, `active`, `body`, `pair`; with friction also
+    `shear`, `shear_transmitted` (n, 3) Pa, `slip` (n, 3) m, `travelled` m, `slips`, `wear` Pa m. Read-only views."""
     return Names(_contact.__get__(self))
 
 

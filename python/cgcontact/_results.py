@@ -110,8 +110,9 @@ class ResultMethods:
 
 
 _VECTORS = {"x": ("x", "y", "z"), "normal": ("nx", "ny", "nz"),
-            "stress": tuple(f"stress_{c}" for c in ("xx", "yy", "zz", "xy", "yz", "zx"))}
-_WHOLE = {"body": np.int32, "pair": np.int32, "active": np.int32}
+            "stress": tuple(f"stress_{c}" for c in ("xx", "yy", "zz", "xy", "yz", "zx")),
+            **{name: tuple(f"{name}_{c}" for c in "xyz") for name in ("shear_transmitted", "shear", "slip")}}
+_WHOLE = {"body": np.int32, "pair": np.int32, "active": np.int32, "slips": np.int32}
 
 
 class StoredResult(ResultMethods):
