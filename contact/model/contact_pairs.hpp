@@ -69,6 +69,7 @@ struct FrictionPoints {
   std::vector<Vec3> slip;         ///< m, of the secondary body against the primary one since the points last met
   std::vector<double> travelled;  ///< m, lengths of the slips of all steps
   std::vector<double> wear;       ///< Pa m, pressure times slip of all steps (Archard, J. Appl. Phys. 24 (1953) 981)
+  std::vector<double> bound;      ///< Pa, the most that friction carried at the end of the last step
   std::vector<char> slips;        ///< closed, and no longer where it was at the end of the last step
   double work = 0;                ///< J, dissipated in all steps
 };

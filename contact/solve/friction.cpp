@@ -108,6 +108,7 @@ void Friction::forget() {
     points.slip.assign(count, Vec3::Zero());
     points.travelled.assign(count, 0.0);
     points.wear.assign(count, 0.0);
+    points.bound.assign(count, 0.0);
     history_.push_back(points);
   }
 }
@@ -319,6 +320,7 @@ std::vector<FrictionPoints> Friction::with_step(const Now& state) const {
       const auto global = [&](const auto& view) { return Vec3(view(point, 0) * along[0] + view(point, 1) * along[1]); };
       points.shear[q] = global(state.shear);
       points.slips[q] = state.slips(point);
+      const double before = std::exchange(points.bound[q], 0.0);
       if (!(bound(point) > 0)) {  // apart: what moves then does not rub
         points.slip[q] = Vec3::Zero();
         continue;
@@ -326,8 +328,13 @@ std::vector<FrictionPoints> Friction::with_step(const Now& state) const {
       const Vec3 step = global(state.slip);
       points.slip[q] += step;
       points.travelled[q] += step.norm();
-      if (state.slips(point)) points.wear[q] += bound(point) / pair.friction() * step.norm();
-      points.work -= pair.points.weight(q) * points.shear[q].dot(step);
+      if (std::isfinite(bound(point))) points.bound[q] = bound(point);
+      if (!state.slips(point)) continue;
+      // Slip and pressure grow together from step to step, so that it rubs under their mean: one step is enough for
+      // loads in proportion, and for a pressure that stays.
+      const double mean = 0.5 * (before + bound(point));
+      points.wear[q] += mean / pair.friction() * step.norm();
+      points.work -= pair.points.weight(q) * mean / bound(point) * points.shear[q].dot(step);
     }
   }
   return all;
