@@ -80,7 +80,8 @@ double most_cells(const Scene& scene, double unknowns) {
 /// The largest of the estimated errors over their targets; none: the zones are not resolved.
 std::optional<double> missing_factor(const AccuracyOptions& options, const SolveFigures& solve) {
   const bool known = std::all_of(solve.named.begin(), solve.named.end(), [](const auto& error) { return error; });
-  if (!solve.converged || !known || ((options.pressure || options.force || options.shear) && !solve.pressure)) return std::nullopt;
+  if (!solve.converged || !known || ((options.pressure || options.force || options.shear) && !solve.pressure))
+    return std::nullopt;
   double largest = 0;
   if (options.pressure) largest = std::max(largest, *solve.pressure / *options.pressure);
   if (options.force) largest = std::max(largest, solve.force.value_or(0) / *options.force);

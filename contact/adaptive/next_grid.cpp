@@ -159,8 +159,8 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
     named_met &= own && *own <= options.named[k].error;
   }
   errors.met = known && bodies_met && named_met && (!options.pressure || pressure <= *options.pressure) &&
-               (!options.force || force <= *options.force) &&
-               (!options.shear || shear.value_or(0) <= *options.shear) && (!options.stress || errors.stress <= *options.stress);
+               (!options.force || force <= *options.force) && (!options.shear || shear.value_or(0) <= *options.shear) &&
+               (!options.stress || errors.stress <= *options.stress);
   errors.finite = std::isfinite(pressure) && std::isfinite(force) && std::isfinite(shear.value_or(0)) &&
                   std::isfinite(errors.stress) &&
                   std::all_of(errors.named.begin(), errors.named.end(),

@@ -53,9 +53,9 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
   }
 }
 
-/// Returns the ratios of new to present cells of the closed groups of a pair (one per place of its zone) with the fewest
-/// cells for `target` as the relative error, as errors fall like the size. error, size: of a row, squared. Empty: no
-/// error.
+/// Returns the ratios of new to present cells of the closed groups of a pair (one per place of its zone) with the
+/// fewest cells for `target` as the relative error, as errors fall like the size. error, size: of a row, squared.
+/// Empty: no error.
 template <class ErrorOf, class SizeOf>
 std::vector<double> ratios_by_error(const SolvedState& state, const Results& results, int p, double target,
                                     const ErrorOf& error_of, const SizeOf& size_of) {
@@ -144,9 +144,9 @@ double size_by_shear(const SolvedState& state, const Results& results, int p, co
   const bool missed = *friction->shear_error > *options.shear;
   const auto size = [](const ContactRow& row) { return row.shear_sprc.squaredNorm(); };
   const auto error = [](const ContactRow& row) { return row.active ? squared_shear_difference(row) : 0; };
-  const std::vector<double> ratios =
-      missed ? ratios_by_error(state, results, p, options.aim * *options.shear, error, size)
-             : std::vector<double>(zone.places.size(), 1);
+  const std::vector<double> ratios = missed
+                                         ? ratios_by_error(state, results, p, options.aim * *options.shear, error, size)
+                                         : std::vector<double>(zone.places.size(), 1);
   for (std::size_t g = 0; g < ratios.size(); ++g) {
     const double ratio = std::clamp(ratios[g], 1 / options.most_change, 1.0);
     smallest = std::min(smallest, ratio);

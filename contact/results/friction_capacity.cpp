@@ -262,7 +262,8 @@ void fill_state(const SolvedState& state, std::size_t k, const std::vector<Symme
     (points.slips[q] ? friction.slip_area : friction.stick_area) += area;
     friction.max_slip = std::max(friction.max_slip, points.slip[q].norm());
   }
-  for (std::size_t q = 0; q < points.wear.size(); ++q) friction.wear += thickness * pair.points.weight(q) * points.wear[q];
+  for (std::size_t q = 0; q < points.wear.size(); ++q)
+    friction.wear += thickness * pair.points.weight(q) * points.wear[q];
   friction.work = thickness * points.work;
   if (!(friction.capacity > 0)) return;
   sum_around_axis(*state.bodies[pair.primary].spec, friction.force);

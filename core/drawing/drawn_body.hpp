@@ -58,7 +58,7 @@ struct ContactSurface {
   std::vector<Vec3> shear, slip;
   std::vector<int> slips;
   std::vector<double> wear;  ///< Pa m
-  std::vector<int> cell;  ///< per triangle, active cell of the body
+  std::vector<int> cell;     ///< per triangle, active cell of the body
   /// Mean of the nearby rows; gap NaN: nothing opposite. The triangle nearest to the largest pressure of a pair has the
   /// values of that row, so that the largest value is that of the report.
   std::vector<std::array<double, num_values>> triangle_values;

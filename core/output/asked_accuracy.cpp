@@ -14,7 +14,8 @@ std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy) {
   std::vector<AskedError> errors;
   if (accuracy.pressure) errors.push_back({"pressure", *accuracy.pressure, last.pressure});
   if (accuracy.force) errors.push_back({"force", *accuracy.force, last.force});
-  if (accuracy.shear) errors.push_back({"shear", *accuracy.shear, last.pressure ? std::optional(last.shear.value_or(0)) : std::nullopt});
+  if (accuracy.shear)
+    errors.push_back({"shear", *accuracy.shear, last.pressure ? std::optional(last.shear.value_or(0)) : std::nullopt});
   if (accuracy.stress) errors.push_back({"stress", *accuracy.stress, last.stress});
   for (std::size_t k = 0; k < accuracy.stress_of_body.size(); ++k) {
     const BodyTarget& target = accuracy.stress_of_body[k];

@@ -343,8 +343,9 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
                    cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) + cell(count(solve.levels)) +
                    cell(count(solve.outer_iterations)) + error(solve.pressure) +
                    cell(solve.change ? percent(*solve.change) : "-") + error(solve.force) +
-                   (has_shear ? cell(solve.shear ? percent(*solve.shear) : "-") : "") + cell(percent(solve.stress)) + of_bodies(solve) + "<td class=\"run\">" + seconds(solve.seconds) +
-                   "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
+                   (has_shear ? cell(solve.shear ? percent(*solve.shear) : "-") : "") + cell(percent(solve.stress)) +
+                   of_bodies(solve) + "<td class=\"run\">" + seconds(solve.seconds) + "</td>" +
+                   bar(most > 0 ? solve.seconds / most : 0, "bar run"));
   }
   std::string targets;
   for (const AskedError& asked : asked_errors(accuracy))

@@ -263,10 +263,10 @@ struct SolveFigures {
 /// Requested accuracy, and how the run went.
 struct AccuracyFigures {
   bool asked = false, reached = false;
-  std::string text;                               ///< what stopped it, if it is not reached
+  std::string text;                                      ///< what stopped it, if it is not reached
   std::optional<double> pressure, force, shear, stress;  ///< targets
-  std::vector<BodyTarget> stress_of_body;         ///< the same
-  std::vector<NamedTarget> named;                 ///< the same
+  std::vector<BodyTarget> stress_of_body;                ///< the same
+  std::vector<NamedTarget> named;                        ///< the same
   std::vector<SolveFigures> solves;
   int answer = -1;     ///< number of the solve that has the results, from 0; -1: the last one that converged
   double seconds = 0;  ///< of all solves and grids, those too that were made and not solved on; 0: not known

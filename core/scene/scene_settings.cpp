@@ -132,7 +132,8 @@ AccuracyOptions read_accuracy(const TomlCursor& node) {
   also.emplace_back("displacement");
   if (const auto target = node.find("displacement")) options.named = read_displacement_targets(*target);
   read_settings(node, options.settings(), "", also);
-  if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, shear, stress, displacement = \"1 %\"");
+  if (!options.any())
+    node.fail("asks for nothing", "at least one of pressure, force, shear, stress, displacement = \"1 %\"");
   return options;
 }
 

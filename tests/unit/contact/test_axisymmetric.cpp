@@ -131,8 +131,8 @@ TEST(Axisymmetric, LamesTubeConverges) {
   }
 }
 
-/// Endless shaft in an endless hub (Lame): the pressure is the same everywhere, however much of the hub's first cells is
-/// the hub's (n/10 of a cell). Measured 0.13 (12/n)^2 per cent; with the rank tolerance of other bodies 0.06 to 2 %,
+/// Endless shaft in an endless hub (Lame): the pressure is the same everywhere, however much of the hub's first cells
+/// is the hub's (n/10 of a cell). Measured 0.13 (12/n)^2 per cent; with the rank tolerance of other bodies 0.06 to 2 %,
 /// as rows by which the stress turns about the axis fell.
 TEST(Axisymmetric, PressureOfAPressFitIsUniform) {
   const double a = 0.02, b = 0.04, d = 30e-6, E = 210e9, nu = 0.3;
@@ -141,7 +141,8 @@ TEST(Axisymmetric, PressureOfAPressFitIsUniform) {
     std::string text = "axisymmetric = \"z\"\n";
     const auto body = [&](const char* name, double size, double offset, const std::string& shape) {
       text += fmt::format(
-          "[[body]]\nname = \"{0}\"\nmaterial = {{E = {1}, nu = {2}}}\ncell_size = {3}\ngrid = {{offset = [0, 0, {4}]}}\n"
+          "[[body]]\nname = \"{0}\"\nmaterial = {{E = {1}, nu = {2}}}\ncell_size = {3}\ngrid = {{offset = [0, 0, "
+          "{4}]}}\n"
           "shape = {5}\n",
           name, E, nu, size, offset, shape);
     };
