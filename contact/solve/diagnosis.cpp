@@ -55,8 +55,9 @@ std::string describe_parting(const std::vector<std::string>& opened, std::size_t
 
 std::string describe_residual(const SolverOptions& solver, const std::vector<double>& residuals) {
   std::string text = fmt::format(
-      "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, solver.max_outer_iterations = {})",
-      residuals.back(), residuals.size(), solver.tolerance, solver.max_outer_iterations);
+      "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, solver.max_outer_iterations = {}{})",
+      residuals.back(), residuals.size(), solver.tolerance, solver.max_outer_iterations,
+      residuals.size() > static_cast<std::size_t>(solver.max_outer_iterations) ? ", more while it falls" : "");
   if (residuals.size() > pace) {
     const double factor = std::pow(residuals.back() / residuals[residuals.size() - 1 - pace], 1.0 / pace);
     text += factor < 1 ? fmt::format("; it fell by a factor {:.2g} per iteration", factor) : "; it does not fall";
@@ -84,11 +85,17 @@ std::string describe_sliding(const OuterProblem& problem, const std::vector<doub
   for (std::size_t k = 0; k < sliding.size(); ++k) {
     if (sliding[k] == 0) continue;
     const ContactPair& pair = problem.pairs[k];
+    const bool alone = std::none_of(problem.pairs.begin(), problem.pairs.end(), [&](const ContactPair& other) {
+      return &other != &pair && other.friction() > 0 &&
+             (other.primary == pair.primary || other.secondary == pair.primary || other.primary == pair.secondary ||
+              other.secondary == pair.secondary);
+    });
     text += fmt::format(
-        "{}contact \"{}\": \"{}\" slides on \"{}\" all over: the loads need {:.4g} times what friction can carry there "
+        "{}contact \"{}\": \"{}\" slides on \"{}\" all over: the loads need {:.4g} times what friction can carry there{} "
         "(friction = {:g})",
         text.empty() ? "" : "; ", pair.spec->name, problem.scene.bodies[pair.spec->first.body].name,
-        problem.scene.bodies[pair.spec->second.body].name, 1 + sliding[k], pair.friction());
+        problem.scene.bodies[pair.spec->second.body].name, 1 + sliding[k],
+        alone ? "" : ", beside what other contacts of these bodies carry", pair.friction());
   }
   return text;
 }

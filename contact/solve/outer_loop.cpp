@@ -66,6 +66,7 @@ struct ContactSolver::Impl {
   bool contact_holds_floating_bodies();
   bool balance_floating_bodies();
   void polish(OuterResult& result);
+  OuterResult end(int iteration, const std::string& why, OuterResult result) const;
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
   void set_forces(OuterResult& result) const;
   void end_step();
@@ -179,7 +180,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     result.iterations = iteration;
     progress(step);
     if (const std::string sliding = describe_sliding(problem_, now_.friction.sliding()); !sliding.empty())
-      return stop(iteration, sliding, result);
+      return end(iteration, sliding, result);
     const bool was_soft = soft.is_soft();
     if (!now_.friction.any()) soft.follow(step);  // whose line search is there for other reasons
     if (held && step.changed_points > 0 && !driven_motions(problem_).empty())
@@ -344,11 +345,17 @@ void ContactSolver::Impl::polish(OuterResult& result) {
   set_forces(result);
 }
 
-/// Not converged; names the motion that hardly anything resists, if there is one.
-OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, OuterResult result) const {
+/// Not converged.
+OuterResult ContactSolver::Impl::end(int iteration, const std::string& why, OuterResult result) const {
   result.iterations = iteration;
   set_forces(result);
   result.diagnosis = why;
+  return result;
+}
+
+/// Not converged; names the motion that hardly anything resists, if there is one.
+OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, OuterResult result) const {
+  result = end(iteration, why, std::move(result));
   const FreeMotions driven = unbalanced_.empty() ? driven_motions(problem_, hardly_any_stiffness) : unbalanced_;
   if (driven.empty()) return result;
   const std::string free = find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs);

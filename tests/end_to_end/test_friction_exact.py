@@ -223,6 +223,17 @@ class Dovetail(Exact):
                 self.assertGreaterEqual(after, before)
             self.assertGreater(work[6], work[4])
 
+    def test_work_in_one_step_or_several(self):
+        """A load that grows from nothing rubs under half of the last pressure, in however many steps: the same work and
+        wear, mu times the normal force times the slip of a flank, over two."""
+        figures = []
+        for loads in ("[1]", "[0.5, 1]", "[0.25, 0.5, 0.75, 1]"):
+            pair = run("steps", scene("dovetail"), steps__loads=loads)["contact"][0]
+            figures.append(pair["friction"])
+            self.close(pair["friction"]["work"], pair["friction"]["coefficient"] * pair["friction"]["wear"], 1e-9)
+        for other in figures[1:]:
+            self.close(other["work"], figures[0]["work"], self.BALANCE)
+
 
 STEEL = 210e9 / (2 * (1 - 0.3**2))  # Pa, of two bodies
 
