@@ -250,6 +250,7 @@ class View(unittest.TestCase):
         offered = [o.get_attribute("value") for o in Select(self.browser.find_element(By.ID, "view-field")).options]
         some = ["tresca", "principal_3", "displacement_z", "pressure", "gap", "error", "status", "closed", "role"]
         self.assertLessEqual(set(some), set(offered))
+        self.assertFalse({"shear", "slip", "wear"} & set(offered))
         for option in some:
             self.choose("field", option)
             self.assertGreater(self.colours(), 20, option)
@@ -267,6 +268,25 @@ class View(unittest.TestCase):
         self.button("#view-bodies input")
         self.button("[data-look=whole]")
         self.assertGreater(self.colours(), 20)
+
+    def test_friction(self):
+        """A ball that is pressed and pushed: shear, slip and wear up to about the largest of contact.csv (fitted between
+        points, a cell apart), and where closed contact slips; frictionless scenes offer none of them."""
+        self.run_scene(scene("pushed_ball"), n=4)
+        self.open()
+        rows = contact_rows("out")
+        size = lambda row, name: math.hypot(*(row[f"{name}_{c}"] for c in "xyz"))
+        for option, value in (("shear", lambda row: size(row, "shear")), ("slip", lambda row: size(row, "slip")),
+                              ("wear", lambda row: row["wear"])):
+            self.choose("field", option)
+            self.assertGreater(self.colours(), 50, option)
+            largest = max(map(value, rows))
+            self.assertGreater(self.state()["high"], 0.7 * largest, option)
+            self.assertLess(self.state()["high"], 1.3 * largest, option)
+        self.choose("field", "closed")
+        legend = self.browser.find_element(By.ID, "view-legend").text
+        for kind in ("closed", "closed, slips", "open"):
+            self.assertIn(kind, legend.splitlines())
 
     def test_contact_zone(self):
         """A ball on a plate: it opens on the zone; the largest pressure of the report is read at its place."""
