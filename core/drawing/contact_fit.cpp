@@ -90,8 +90,8 @@ std::optional<ContactFit::Values> ContactFit::at(const Vec3& x, double cell) {
                 neighbours.fit([](const ContactRow& row) { return row.pressure_sprc; }),
                 neighbours.fit([](const ContactRow& row) { return row.pressure_error; }),
                 neighbours.fit([](const ContactRow& row) { return row.shear_sprc.norm(); }),
-                neighbours.fit([](const ContactRow& row) { return row.slip.norm(); }),
-                neighbours.fit([](const ContactRow& row) { return row.wear; })};
+                neighbours.fit([](const ContactRow& row) { return row.active ? row.slip.norm() : std::nan(""); }),
+                neighbours.fit([](const ContactRow& row) { return row.active ? row.wear : std::nan(""); })};
 }
 
 }  // namespace cgcontact

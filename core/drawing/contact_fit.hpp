@@ -17,7 +17,7 @@ class ContactFit {
  public:
   struct Values {
     double gap, pressure, pressure_error;  ///< m; Pa, SPR-C. NaN: no row near has one
-    double shear, slip, wear;              ///< sizes: Pa, SPR-C; m; Pa m
+    double shear, slip, wear;              ///< sizes: Pa, SPR-C; m, Pa m of closed rows
   };
   ContactFit(const Results& results, int body);
 
