@@ -169,7 +169,8 @@ class Pages(unittest.TestCase):
         self.check(written, text, root, ["verdict", "reliability", "accuracy", "view", "picture", "maxima", "contact", "pressure", "profile",
                                          "reference", "conditions", "balance", "grid", *ALWAYS[6:]])
         story = written["accuracy"]
-        self.assertEqual(story["targets"], {"pressure": target / 100, "force": None, "stress": None, "stress_of_body": {},
+        self.assertEqual(story["targets"], {"pressure": target / 100, "force": None, "shear": None, "stress": None,
+                                            "stress_of_body": {},
                                             "displacement": {}, "pressure_of_pair": {}})
         last = story["solves"][-1]
         self.assertEqual((last["unknowns"], last["outer_iterations"], last["converged"]),
