@@ -193,9 +193,8 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
       size_by_error(state, results, static_cast<int>(p), options.aim * *target, zone);
     else
       for (SizedBall& ball : zone.places) ball.size = ratio * zone.cell;
-    next.change = std::min(next.change, ratio);
-    if (const double shear = size_by_shear(state, results, static_cast<int>(p), zones[p], zone); shear < 1)
-      next.change = std::min(next.change, shear);
+    const double by_shear = size_by_shear(state, results, static_cast<int>(p), zones[p], zone);
+    next.change = std::min({next.change, ratio, by_shear});
     for (SizedBall& ball : zone.places) {
       ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
       for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);

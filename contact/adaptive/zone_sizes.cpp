@@ -143,10 +143,9 @@ double size_by_shear(const SolvedState& state, const Results& results, int p, co
   double smallest = 1;
   const bool missed = *friction->shear_error > *options.shear;
   const auto size = [](const ContactRow& row) { return row.shear_sprc.squaredNorm(); };
-  const auto error = [](const ContactRow& row) { return row.active ? squared_shear_difference(row) : 0; };
-  const std::vector<double> ratios = missed
-                                         ? ratios_by_error(state, results, p, options.aim * *options.shear, error, size)
-                                         : std::vector<double>(zone.places.size(), 1);
+  const std::vector<double> ratios =
+      missed ? ratios_by_error(state, results, p, options.aim * *options.shear, squared_shear_difference, size)
+             : std::vector<double>(zone.places.size(), 1);
   for (std::size_t g = 0; g < ratios.size(); ++g) {
     const double ratio = std::clamp(ratios[g], 1 / options.most_change, 1.0);
     smallest = std::min(smallest, ratio);

@@ -29,6 +29,11 @@ std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy) {
   return errors;
 }
 
+bool has_shear(const AccuracyFigures& accuracy) {
+  return std::any_of(accuracy.solves.begin(), accuracy.solves.end(),
+                     [](const SolveFigures& solve) { return solve.shear.has_value(); });
+}
+
 std::string fine_percent(double fraction) {
   return (fraction < 0.001 ? percent_number(fraction) : short_number(100 * fraction, 3)) + " %";
 }

@@ -18,6 +18,9 @@ struct AskedError {
 
 std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy);
 
+/// Returns whether any solve has an error of friction's shear.
+bool has_shear(const AccuracyFigures& accuracy);
+
 /// Formats "0.783 %": with the digits that distinguish an estimate from its target.
 std::string fine_percent(double fraction);
 

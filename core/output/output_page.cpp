@@ -322,9 +322,8 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
   std::vector<std::string> heads{"Solve",      "Unknowns",         "Smallest cell",
                                  "Levels",     "Outer iterations", "Est. error of the pressure",
                                  "its change", "of the force"};
-  const bool has_shear = std::any_of(accuracy.solves.begin(), accuracy.solves.end(),
-                                     [](const SolveFigures& solve) { return solve.shear.has_value(); });
-  if (has_shear) heads.emplace_back("of the shear");
+  const bool with_shear = has_shear(accuracy);
+  if (with_shear) heads.emplace_back("of the shear");
   heads.emplace_back("of the stress");
   for (const BodyTarget& target : accuracy.stress_of_body) heads.push_back("of that in " + html_text(target.body));
   for (const NamedTarget& target : accuracy.named) heads.push_back("of the " + html_text(target.text()));
@@ -343,7 +342,7 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
                    cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) + cell(count(solve.levels)) +
                    cell(count(solve.outer_iterations)) + error(solve.pressure) +
                    cell(solve.change ? percent(*solve.change) : "-") + error(solve.force) +
-                   (has_shear ? cell(solve.shear ? percent(*solve.shear) : "-") : "") + cell(percent(solve.stress)) +
+                   (with_shear ? cell(solve.shear ? percent(*solve.shear) : "-") : "") + cell(percent(solve.stress)) +
                    of_bodies(solve) + "<td class=\"run\">" + seconds(solve.seconds) + "</td>" +
                    bar(most > 0 ? solve.seconds / most : 0, "bar run"));
   }

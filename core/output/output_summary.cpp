@@ -92,20 +92,19 @@ std::string accuracy_text(const AccuracyFigures& accuracy) {
 
 /// The last solves of a run to an accuracy.
 Lines solve_table(const AccuracyFigures& accuracy, std::size_t rows) {
-  const bool has_shear = std::any_of(accuracy.solves.begin(), accuracy.solves.end(),
-                                     [](const SolveFigures& solve) { return solve.shear.has_value(); });
+  const bool with_shear = has_shear(accuracy);
   const std::size_t count = accuracy.solves.size(), first = count <= rows ? 0 : count - rows;
   if (first == count) return {};
   Lines lines{fmt::format("  {:<6} {:>13} {:>9} {:>12} {:>10} {:>10} {:>10}", "solve", "unknowns", "time", "cells from",
                           "pressure", "force", "stress") +
-              (has_shear ? fmt::format(" {:>10}", "shear") : "")};
+              (with_shear ? fmt::format(" {:>10}", "shear") : "")};
   const auto error = [](const std::optional<double>& e) { return e ? percent(*e) : "-"; };
   for (std::size_t k = first; k < count; ++k) {
     const SolveFigures& solve = accuracy.solves[k];
     lines.push_back(fmt::format("  {:<6} {:>13} {:>7.1f} s {:>12} {:>10} {:>10} {:>10}", k + 1, grouped(solve.unknowns),
                                 solve.seconds, in_unit(solve.smallest_cell, length_unit(solve.smallest_cell), 3),
                                 error(solve.pressure), error(solve.force), error(solve.stress)) +
-                    (has_shear ? fmt::format(" {:>10}", error(solve.shear)) : ""));
+                    (with_shear ? fmt::format(" {:>10}", error(solve.shear)) : ""));
   }
   return lines;
 }

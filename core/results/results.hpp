@@ -97,8 +97,8 @@ struct ContactRow {
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
   bool active = false;
   /// With friction: traction of the other body on this one, Pa (as transmitted, SPR-C); how far this body has slipped
-  /// on the other one, m; the way that it has rubbed, m; pressure times slip, Pa m, of all
-  /// steps; whether it slips here.
+  /// on the other one, m; the way that it has rubbed, m; pressure times slip, Pa m, of all steps; whether it slips
+  /// here.
   Vec3 shear_transmitted = Vec3::Zero(), shear_sprc = Vec3::Zero(), slip = Vec3::Zero();
   double travelled = 0, wear = 0;
   bool slips = false;

@@ -59,14 +59,22 @@ name = "ramp"
 material = "steel"
 cell_size = 5e-3
 grid = {{offset = {offset}}}
-shape = {{name = "ramp", box = {{min = [-0.03, 0, -0.02], max = [0.03, 2.5e-3, 0]}}, rotate = {{axis = [0, 1, 0], angle = {angle}}}}}
+
+[body.shape]
+name = "ramp"
+box = {{min = [-0.03, 0, -0.02], max = [0.03, 2.5e-3, 0]}}
+rotate = {{axis = [0, 1, 0], angle = {angle}}}
 
 [[body]]
 name = "block"
 material = "steel"
 cell_size = 4e-3
 grid = {{offset = {other}}}
-shape = {{name = "block", box = {{min = [-0.01, 0, 0], max = [0.01, 2.5e-3, 0.01]}}, rotate = {{axis = [0, 1, 0], angle = {angle}}}}}
+
+[body.shape]
+name = "block"
+box = {{min = [-0.01, 0, 0], max = [0.01, 2.5e-3, 0.01]}}
+rotate = {{axis = [0, 1, 0], angle = {angle}}}
 
 [[support]]
 face = "ramp.ramp.z-"
@@ -238,8 +246,23 @@ class Dovetail(Exact):
 STEEL = 210e9 / (2 * (1 - 0.3**2))  # Pa, of two bodies
 
 
+class Cattaneo:
+    """Shear of a roller of steel, R = 10 mm, pressed by F (N/m) and then pushed by Q: half width a, stick half width c, largest
+    pressure p0."""
+
+    def __init__(self, F, Q, mu):
+        self.a = math.sqrt(4 * F * 0.01 / (math.pi * STEEL))
+        self.c = self.a * math.sqrt(1 - Q / (mu * F))
+        self.mu, self.p0 = mu, 2 * F / (math.pi * self.a)
+
+    def __call__(self, row):
+        root = [math.sqrt(max(0, radius**2 - row["y"]**2)) for radius in (self.a, self.c)]
+        return self.mu * self.p0 / self.a * (root[0] - root[1])
+
+
 def roller(offset, push=0, **steps):
-    """Half a roller of steel, R = 10 mm, on a block: its top is moved down and not turned, some 500 kN/m; `push` (N/m) along y."""
+    """Half a roller of steel, R = 10 mm, on a block: its top is moved down and not turned, some 500 kN/m; `push` (N/m) along
+    y."""
     load = f"""
 [[load]]
 face = "roller.cut.z+"
@@ -324,19 +347,77 @@ class Oblique(Exact):
             done = run_text(name, roller(offset, push, press=[1, 1], push_steps=[0, 1]))
             pair = done["contact"][0]
             _, Q, F = (abs(x) for x in pair["force"]["roller"])
-            a = math.sqrt(4 * F * 0.01 / (math.pi * STEEL))
-            p0, c = 2 * F / (math.pi * a), a * math.sqrt(1 - Q / (mu * F))
-
-            def cattaneo(row):
-                root = [math.sqrt(max(0, radius**2 - row["y"]**2)) for radius in (a, c)]
-                return mu * p0 / a * (root[0] - root[1])
-
+            cattaneo = Cattaneo(F, Q, mu)
             for body in ("block", "roller"):
                 rows, shear = self.shear(name, body)
                 self.assertLess(relative_l2(rows, shear, cattaneo), 0.15, f"{name} {body}")
                 self.assertGreater(relative_l2(rows, shear, lambda row: Q / F * row["pressure_sprc"]), 0.4)
-            self.assertLess(abs(pair["friction"]["stick_area"] / 2 - c), 1.5 * a / 16)
+            self.assertLess(abs(pair["friction"]["stick_area"] / 2 - cattaneo.c), 1.5 * cattaneo.a / 16)
             self.assertLess(together, 0.03 * pair["friction"]["work"])  # 0.015, of cells at the rim
+
+
+PUSHED = """
+plane_strain = "x"
+
+[parameters]
+offset = 0.3
+
+[accuracy]
+pressure = "5 %"
+shear = "20 %"
+
+[[body]]
+name = "block"
+shape = {name = "b", box = {min = [0, -0.03, -0.03], max = [0.01, 0.03, 0]}}
+material = {E = 210e9, nu = 0.3}
+grid = {offset = [0, "offset", 0.73]}
+
+[[body]]
+name = "roller"
+shape = {intersection = [
+  {name = "r", cylinder = {base = [0, 0, 0.01], top = [0.01, 0, 0.01], radius = 0.01}},
+  {name = "c", box = {min = [0, -0.02, -0.001], max = [0.01, 0.02, 0.006]}},
+]}
+material = {E = 210e9, nu = 0.3}
+grid = {offset = [0, "0.4*offset", 0.3]}
+
+[[support]]
+face = "block.b.z-"
+displacement = {y = 0, z = 0}
+
+[[support]]
+face = "roller.c.z+"
+displacement = {z = -6e-6}
+
+[[support]]
+face = "roller.c.z+"
+displacement = {y = 1.5e-6}
+steps = [0, 1]
+
+[[contact]]
+faces = ["roller.r.side", "block.b.z+"]
+friction = 0.3
+"""
+
+
+class ShearTarget(Exact):
+    """Cells follow the shear's error: smaller ones where stick meets slip; the true error is below the target, at two positions
+    of the grids."""
+
+    def test_pushed_roller(self):
+        mu, thickness = 0.3, 0.01
+        for offset in (0.3, 0.77):
+            done = run_text("pushed", PUSHED, offset=offset)
+            accuracy, pair = done["accuracy"], done["contact"][0]
+            self.assertTrue(accuracy["reached"], accuracy["text"])
+            self.assertEqual(accuracy["targets"]["shear"], 0.2)
+            self.assertLess(accuracy["solves"][-1]["shear"], 0.2)
+            _, Q, F = (abs(x) / thickness for x in pair["force"]["roller"])
+            cattaneo, rows = Cattaneo(F, Q, mu), contact_rows("pushed")
+            self.assertLess(relative_l2(rows, lambda row: abs(row["shear_y"]), cattaneo), 0.2)
+            for row in rows:
+                self.assertLessEqual(abs(row["shear_y"]), mu * max(0, row["pressure_sprc"]) + 1e-6 * mu * cattaneo.p0)
+            self.assertGreater(pair["friction"]["wear"], 0)
 
 
 def pressed_ball():
