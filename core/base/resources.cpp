@@ -118,6 +118,7 @@ void restart_with_openmp_settings(int threads, char** argv) {
   changed |= set_if_absent("OPENBLAS_NUM_THREADS", "1");  // two runtimes whose threads wait busily share no CPUs
   // A heap for each thread: those that share one wait for each other (docs/setup.md).
   changed |= set_if_absent("MALLOC_ARENA_MAX", std::to_string(std::max(threads, 1)));
+  changed |= set_if_absent("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1");  // fewer faults of new pages (docs/setup.md)
   if (!changed) return;
   undo_openmp_binding();
   execv("/proc/self/exe", argv);  // on failure: only the settings are missing
