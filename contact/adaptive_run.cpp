@@ -20,7 +20,7 @@ constexpr double unknowns_power = -2.5;
 /// Those of narrow zones to a smaller one; grids that are found too large shrink by this one.
 constexpr double coarsening_power = -1.7;
 /// Least change of size, of the wanted one, that a limit must leave to be worth a solve.
-constexpr double least_gain = 1.15;
+constexpr double min_gain = 1.15;
 /// Cells of a grid that is the last one again, over those of that; cells are then made so much finer.
 constexpr double same_cell = 0.95, finer = 0.75;
 /// Times as many unknowns, at least, of a grid with the same smallest cells that is worth a solve.
@@ -28,7 +28,7 @@ constexpr double worth_a_solve = 1.2;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
 constexpr double first_exploration = 2.5e5;
 /// Unknowns of each cell: a node of its own, or two that share the components in the plane.
-constexpr double least_unknowns_per_cell = 3, least_in_plane_strain = 2;
+constexpr double min_unknowns_per_cell = 3, min_in_plane_strain = 2;
 /// Growth of the cells of a grid that was refused.
 constexpr double refused_growth = 1.5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
@@ -71,10 +71,10 @@ double count_unknowns(const std::vector<BodyModel>& bodies) {
 }
 
 /// Returns an upper bound of one body's cells in a grid with that number of unknowns.
-double most_cells(const Scene& scene, double unknowns) {
+double max_cells(const Scene& scene, double unknowns) {
   const bool plane = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                  [](const BodySpec& body) { return body.plane_strain.has_value(); });
-  return unknowns / (plane ? least_in_plane_strain : least_unknowns_per_cell);
+  return unknowns / (plane ? min_in_plane_strain : min_unknowns_per_cell);
 }
 
 /// The largest of the estimated errors over their targets; none: the zones are not resolved.
@@ -239,20 +239,20 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
 /// Makes the next grid, its refined cells times a factor that grows until the unknowns are at most `allowed`, and falls
 /// from a first guess that leaves most of them. False: the cells would hardly be smaller than before.
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
-  const double worth = std::pow(1 / least_gain, unknowns_power);  // times as many unknowns
+  const double worth = std::pow(1 / min_gain, unknowns_power);  // times as many unknowns
   double too_fine = 0, enough = 0;                                // factors; 0: none is known
   const auto grow = [&](double growth) {
     too_fine = factor;
     factor *= growth;
-    if (enough > 0) factor = enough < least_gain * too_fine ? enough : std::sqrt(too_fine * enough);
+    if (enough > 0) factor = enough < min_gain * too_fine ? enough : std::sqrt(too_fine * enough);
   };
   // A grid that no limit makes coarser is worth a solve even if little is missing.
-  while (factor <= 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+  while (factor <= 1 || factor * sizes_.change < 1 / min_gain || figures_.solves.empty()) {
     if (!figures_.solves.empty() && seconds() > given_.accuracy.max_time) {
       limit_ = "max_time";
       break;
     }
-    next_scene_ = scene_on_grids(given_, sizes_, factor, most_cells(given_, allowed));
+    next_scene_ = scene_on_grids(given_, sizes_, factor, max_cells(given_, allowed));
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
       next_->place(callbacks);
@@ -269,7 +269,7 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     const double times = excess(allowed);
     if (times > 1) {
       grow(step * std::pow(1 / times, 1 / coarsening_power));
-    } else if (factor <= 1 || times * worth > 1 || factor <= least_gain * too_fine) {
+    } else if (factor <= 1 || times * worth > 1 || factor <= min_gain * too_fine) {
       const double unknowns = count_unknowns(next_->state.bodies);
       if (factor <= 1 || !resolved_ || unknowns > worth * static_cast<double>(figures_.solves.back().unknowns))
         return true;

@@ -186,7 +186,7 @@ std::string fault_of(const std::string& text, const std::string& file) try {
 
 /// Reports an error in one line, or mistakes in a line for each; of several ranks one reports it for all. If it is this
 /// rank's alone, the others are ended.
-void tell_error(const std::vector<std::string>& lines) {
+void report_error(const std::vector<std::string>& lines) {
   const int rank = this_rank(), ranks = num_ranks();
   const bool of_all = failed_on_all_ranks();
   if (!of_all || rank == 0)
@@ -238,9 +238,9 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     std::vector<std::string> lines = messages_of(error);
     for (std::string& line : lines) line = options ? options->with_variables(line) : line;
-    tell_error(lines);
+    report_error(lines);
   } catch (const std::exception& error) {
-    tell_error({is_out_of_memory(error) ? out_of_memory_text() : error.what()});
+    report_error({is_out_of_memory(error) ? out_of_memory_text() : error.what()});
   }
   return 1;
 }

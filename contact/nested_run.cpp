@@ -13,8 +13,8 @@ namespace {
 
 /// Nodes of the coarsest grid, about; at most 1/64 of the given one's, so that its solve costs little where it finds
 /// narrow zones, with few rows of the given cells.
-constexpr double least_nodes = 1000;
-constexpr int least_halvings = 2;
+constexpr double min_nodes = 1000;
+constexpr int min_halvings = 2;
 /// Outer residual of a solution to start from: it is that of other cells, which are off by more.
 constexpr double coarse_tolerance = 1e-3;
 
@@ -61,8 +61,8 @@ NestedRun::NestedRun(const Scene& scene) : scene_(scene), simulation_(std::make_
 /// Solution on cells of twice the size; null: there is none that is worth to start from.
 std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallbacks& progress) {
   int halvings = 0;
-  for (double nodes = count_nodes(simulation_->state.bodies) / 8; nodes >= least_nodes; nodes /= 8) ++halvings;
-  if (halvings < least_halvings) return nullptr;
+  for (double nodes = count_nodes(simulation_->state.bodies) / 8; nodes >= min_nodes; nodes /= 8) ++halvings;
+  if (halvings < min_halvings) return nullptr;
   progress.phase("coarser grids");
   ProgressCallbacks steps_only;
   steps_only.step = progress.step;

@@ -100,7 +100,7 @@ void check_free_motions(const Scene& scene, Preparation& p) {
 
 /// A rigid body needs no density under gravity if its supports alone hold it: its mass moves nothing then.
 void check_masses(const Preparation& p) {
-  const std::vector<RigidPiece> pieces = whole_bodies(p.bodies).list;
+  const std::vector<RigidComponent> pieces = whole_bodies(p.bodies).list;
   std::vector<int> itself(p.bodies.size());
   std::iota(itself.begin(), itself.end(), 0);
   std::vector<Resistance> held(p.bodies.size(), Resistance::Zero());

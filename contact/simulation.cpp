@@ -46,7 +46,7 @@ constexpr double nearly_one = 0.99;
 /// Cells: a motion along surfaces that is less is rounding.
 constexpr double at_rest = 1e-6;
 /// Most repeated solves of a pair that has to see farther.
-constexpr int most_extensions = 5;
+constexpr int max_extensions = 5;
 
 /// Shortest side of the bounding box along the grid's axes, and twice the volume over the free area: in the body's
 /// smallest cells.
@@ -93,7 +93,7 @@ bool is_at_rest(const OuterResult& outer) {
   const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), outer.u);
   for (std::size_t i = 0; i < u.size(); ++i)
     if (u(i) != 0) return false;
-  for (const RigidPart& part : outer.rigid_parts)
+  for (const BodyMotion& part : outer.body_motions)
     if (part.translation.norm() + part.rotation.norm() + part.expansion.norm() > 0) return false;
   return std::all_of(outer.group_force.begin(), outer.group_force.end(), [](double force) { return force == 0; });
 }
@@ -166,7 +166,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       k = first_step_of_new_solver(k);
       continue;
     }
-    if (state.outer.converged && extensions < most_extensions && see_farther()) {
+    if (state.outer.converged && extensions < max_extensions && see_farther()) {
       ++extensions;
       make_system();
       solver = make_solver();
@@ -276,7 +276,7 @@ void Simulation::hold_wanderers() {
 /// contact, points of few cells push it along.
 bool Simulation::lost_by_wandering(const std::string& fault) const {
   if (fault.empty() && contact_carries(state)) return false;
-  return SurfaceWanderers(state.bodies, state.supports, state.pairs).farthest(state.outer.rigid_parts) > at_rest;
+  return SurfaceWanderers(state.bodies, state.supports, state.pairs).farthest(state.outer.body_motions) > at_rest;
 }
 
 /// Figures of a step; the pairs of the last one are those of the results.
@@ -432,7 +432,7 @@ void Simulation::fill_results() {
   results.verdict = judge(state, results);
   estimate_contact_errors(state, results);
   judge_errors(state, results);
-  tell_spring_shares(state, results);
+  report_spring_shares(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);

@@ -28,7 +28,7 @@ using namespace cgcontact;
 using namespace cgcontact::perf;
 
 /// Beyond this the assembled matrix (1 kB per unknown, three times as much while it is made) is left out.
-constexpr int largest_assembled = 1200000;
+constexpr int max_assembled = 1200000;
 
 enum class Shape { cube, ball };
 enum class Part { all, interior, cut, ghost };
@@ -198,7 +198,7 @@ Kernel operator_kernel(Shape shape, int n, Part part) {
     if (part == Part::ghost) op->add_band(exec, x, y, false, true);
   };
   k.figures = {{"cut_share", body->cut_share()}, {"B/DoF", static_cast<double>(op->sizes().bytes) / num_dofs}};
-  if (part == Part::all && num_dofs < largest_assembled) {
+  if (part == Part::all && num_dofs < max_assembled) {
     auto assembled = std::make_shared<Assembled>(body->system);
     k.baseline = [assembled] { assembled->apply(); };
     k.ratio = "times_crs";
@@ -229,7 +229,7 @@ Kernel crs(Shape shape, int n) {
   return k;
 }
 
-/// The way from the system to the matrix, against the plain twin, entry by entry on one thread. Per cell, 24 x 24 sums
+/// The way from the system to the matrix, against the plain reference, entry by entry on one thread. Per cell, 24 x 24 sums
 /// and the cell's nodes (its matrix once if it is cut); per ghost face 12 x 12 x 3; 12 bytes per entry are written.
 Kernel assembly(Shape shape, int n) {
   auto body = std::make_shared<Body>(shape, n);
@@ -249,7 +249,7 @@ Kernel assembly(Shape shape, int n) {
         k.error = std::max(k.error, std::abs(local.values(e) - value));
         largest = std::max(largest, std::abs(value));
       }
-    k.error /= largest, k.tolerance = 1e-14, k.against = "the plain twin";
+    k.error /= largest, k.tolerance = 1e-14, k.against = "the plain reference";
     const double cells = static_cast<double>(body->cut_cells.cells.size()),
                  cut = static_cast<double>(body->cut_cells.moments.size()),
                  faces = static_cast<double>(colour_mesh(body->system.meshes[0]).nodes_of_face.extent(0)),

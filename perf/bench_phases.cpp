@@ -101,7 +101,7 @@ void run(const Scene& scene) {
   std::vector<double> load;
   phase("load vector", [&] { load = make_load_vector(sim.state.bodies, sim.state.system, sim.state.scales); });
   phase("(displacement)", [&] { sim.state.outer.u = made_up_displacement(sim); });
-  sim.state.outer.rigid_parts.resize(sim.state.bodies.size());
+  sim.state.outer.body_motions.resize(sim.state.bodies.size());
   made_up_contact(sim);
   sim.state.outer.group_force.assign(sim.state.system.group_rows.size(), 0.0);
   sim.state.outer.support_stress.assign(sim.state.supports.size(), 0.0);

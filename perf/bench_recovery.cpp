@@ -86,7 +86,7 @@ Kernel cell_stress(int size) {
   return k;
 }
 
-/// Plain twin of one fit: normal equations summed cell by cell, solved by Eigen.
+/// Plain reference of one fit: normal equations summed cell by cell, solved by Eigen.
 Eigen::Matrix<double, num_terms, 6> plain_fit(const SprProblem& p, int n) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, num_terms, 6> rhs = rhs.Zero();

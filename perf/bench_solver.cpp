@@ -35,7 +35,7 @@ using Teuchos::RCP;
 using Teuchos::rcp;
 
 constexpr double tolerance = 1e-8;
-constexpr int most_iterations = 500;
+constexpr int max_iterations = 500;
 
 double dot(const RealView& x, const RealView& y) {
   double sum = 0;
@@ -259,7 +259,7 @@ void solve_with_multigrid(const ElasticSystem& system, const RealView& b, const 
   solver.update();
   way.lap(way.setup_s);
   way.set_up();
-  way.iterations = solver.solve(b, x, tolerance * std::sqrt(dot(b, b)), most_iterations).iterations;
+  way.iterations = solver.solve(b, x, tolerance * std::sqrt(dot(b, b)), max_iterations).iterations;
   way.lap(way.solve_s);
   way.stop();
 }
@@ -279,7 +279,7 @@ void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
     for (std::size_t i = 0; i < p.b.extent(0); ++i) host(i, 0) = p.b(i);
   }
   way.iterations =
-      solve_krylov(LinearMethod::flexible_cg, matrix, muelu, rhs, solution, 0.95 * tolerance, most_iterations);
+      solve_krylov(LinearMethod::flexible_cg, matrix, muelu, rhs, solution, 0.95 * tolerance, max_iterations);
   way.lap(way.solve_s);
   way.stop();
   const auto host = solution->getLocalViewHost(Tpetra::Access::ReadOnly);

@@ -20,7 +20,7 @@ double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
 
 /// Returns whether the faces of a pair without a force may still touch.
 bool is_unclear(const Results& results, std::size_t pair) {
-  return results.pairs[pair].least_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
+  return results.pairs[pair].min_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
 }
 
 std::optional<double> shear_error(const PairFigures& pair) {
@@ -38,7 +38,7 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
     // The gap's error is a multiple of that square, too (open_gaps.hpp).
     if (is_unclear(results, p))
       allowed = std::min(
-          allowed, results.estimated_error_relative * refinement_to_tell(*figures.least_gap, *figures.least_gap_error));
+          allowed, results.estimated_error_relative * refinement_to_tell(*figures.min_gap, *figures.min_gap_error));
     if (!zones[p].relevant || !zones[p].resolved) continue;
     const double by_energy = std::pow(results.estimated_error_relative, 2);
     // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).
@@ -89,7 +89,7 @@ void halve(GridSizes& sizes) {
   sizes.change = 0.5;
 }
 
-std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor, double most_cells) {
+std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor, double max_cells) {
   const AccuracyOptions& options = given.accuracy;
   auto scene = std::make_unique<Scene>(given);
   for (std::size_t b = 0; b < scene->bodies.size(); ++b) {
@@ -105,7 +105,7 @@ std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes
     };
     add(sizes.zones[b], options.grading);
     add(sizes.energy[b], options.energy_grading);
-    body.most_cells = most_cells;
+    body.max_cells = max_cells;
     body.cell_size = std::ldexp(smallest, halvings(sizes.first[b], smallest));  // halvings end with the smallest size
   }
   return scene;

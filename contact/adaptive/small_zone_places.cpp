@@ -22,7 +22,7 @@ constexpr double near_plane = 1.5;
 constexpr double fills = 0.8;
 /// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
 constexpr double line_indentation = 0.75 * pi;
-constexpr int most_doublings = 30, bisections = 40;
+constexpr int max_doublings = 30, bisections = 40;
 /// Power of the depth that the force of a round zone goes with; that of other zones goes with a smaller one.
 constexpr double force_power = 1.5;
 
@@ -78,7 +78,7 @@ class Overlap {
       double area = 0;
       for (const GapSample& s : found)
         if (s.distance < limit) area += s.area;
-      if (area > fills * area_ || k == most_doublings) return {};
+      if (area > fills * area_ || k == max_doublings) return {};
       force = force_at(found, limit);
       if (force >= force_) break;
     }

@@ -18,13 +18,13 @@ namespace {
 constexpr double half_square_diagonal = 0.71;
 
 /// Largest refinement at once where the position of a zone is known.
-constexpr double most_narrowing = 1000;
+constexpr double max_narrowing = 1000;
 
 /// Cells across a zone below which its closed groups hardly show its position and width.
 constexpr double about_a_cell = 2.5;
 
 /// Growth of the local cell size from one grid to the next.
-constexpr double largest_growth = 2;
+constexpr double max_growth = 2;
 
 SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {
   return {centre_of(pair, group), half_square_diagonal * group.larger_cell, group.larger_cell};
@@ -132,7 +132,7 @@ void size_by_error(const SolvedState& state, const Results& results, int p, doub
   const auto size = [&](const ContactRow& row) { return std::pow(size_of_traction(row, bonded), 2); };
   const std::vector<double> ratios = ratios_by_error(state, results, p, target, error, size);
   for (std::size_t g = 0; g < ratios.size(); ++g)
-    zone.places[g].size *= std::clamp(ratios[g], 1 / state.scene.accuracy.most_change, largest_growth);
+    zone.places[g].size *= std::clamp(ratios[g], 1 / state.scene.accuracy.max_change, max_growth);
 }
 
 double size_by_shear(const SolvedState& state, const Results& results, int p, const ZoneState& present,
@@ -147,7 +147,7 @@ double size_by_shear(const SolvedState& state, const Results& results, int p, co
       missed ? ratios_by_error(state, results, p, options.aim * *options.shear, squared_shear_difference, size)
              : std::vector<double>(zone.places.size(), 1);
   for (std::size_t g = 0; g < ratios.size(); ++g) {
-    const double ratio = std::clamp(ratios[g], 1 / options.most_change, 1.0);
+    const double ratio = std::clamp(ratios[g], 1 / options.max_change, 1.0);
     smallest = std::min(smallest, ratio);
     zone.places[g].size = std::min(zone.places[g].size, ratio * present.places[g].size);
   }
@@ -158,16 +158,16 @@ double next_size_ratio(const ZoneState& zone, double estimate, std::optional<dou
                        const AccuracyOptions& options) {
   if (!zone.relevant) return 1;
   if (!zone.resolved) {
-    double ratio = 1 / options.most_change;
+    double ratio = 1 / options.max_change;
     if (zone.width)  // by counting cells it is known to one of them
       ratio = (*zone.width / zone.cell + (zone.narrowed ? 0 : 1)) / (2 * options.middle_cells);
     else if (zone.needed)
       ratio = std::min(ratio, *zone.needed / zone.cell);
-    return std::clamp(ratio, 1 / (zone.narrowed ? most_narrowing : options.narrowing), 1 / options.least_change);
+    return std::clamp(ratio, 1 / (zone.narrowed ? max_narrowing : options.narrowing), 1 / options.min_change);
   }
   if (!target || estimate <= *target) return 1;
-  return std::clamp(std::pow(options.aim * *target / zone.error, 1 / options.rate), 1 / options.most_change,
-                    1 / options.least_change);
+  return std::clamp(std::pow(options.aim * *target / zone.error, 1 / options.rate), 1 / options.max_change,
+                    1 / options.min_change);
 }
 
 }  // namespace cgcontact

@@ -19,12 +19,12 @@ namespace {
 /// Relative difference of cell sizes that is rounding.
 constexpr double equal_cells = 1e-12;
 /// Faces of the larger cells: automatic pairs that see each other over less than that do so by rounding.
-constexpr double least_area = 1e-9;
+constexpr double min_area = 1e-9;
 /// Rigid bodies touch if they are nearer to each other than that, cells.
 constexpr double touching = 1e-3;
 /// Most ends of the other body's faces in a cell at which the contact is divided; with more (threads, scans) it ends
 /// within a quadrature point.
-constexpr std::size_t most_ends = 24;
+constexpr std::size_t max_ends = 24;
 
 /// Level of the smallest cells of a grid that there may be in a box, grid coordinates.
 int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
@@ -132,7 +132,7 @@ struct SurfacePoints {
 };
 
 /// Cosine between the direction of a gap and faces that it is measured from.
-constexpr double least_cosine = 0.1;
+constexpr double min_cosine = 0.1;
 
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
 /// `borders`: of the opposite face, as seen from the surface.
@@ -143,7 +143,7 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
   std::vector<Plane> dividers = other_grid_planes(primary.cut_cells, cell, secondary.cut_cells);
   std::vector<Plane> ends = crossing_planes(borders, primary.cut_cells.corner(cell), primary.cut_cells.size(cell));
   for (const Plane& border : other_face_borders(primary, cell, surface, secondary)) ends.push_back(border);
-  if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
+  if (ends.size() <= max_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, order, points);
   SurfacePoints found;
@@ -159,7 +159,7 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
     double cosine = 1;
     if (!direction.isZero()) {
       cosine = point.normal.dot(direction);
-      if (cosine < least_cosine) continue;
+      if (cosine < min_cosine) continue;
       point.normal = direction;
     }
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
@@ -499,7 +499,7 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   const auto sees_nothing = [&](const ContactPair& pair) {
     double area = 0;
     for (const ContactGroup& group : pair.groups) area += group.area / std::pow(group.larger_cell, 2);
-    return pair.spec->automatic && area < least_area;
+    return pair.spec->automatic && area < min_area;
   };
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
   std::vector<ContactPoints*> points;

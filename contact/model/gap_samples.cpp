@@ -14,13 +14,13 @@ constexpr int first_leaves = 4;
 /// Change of the distance over a quarter of a leaf, of the depth below the limit, that need not be resolved.
 constexpr double resolved_part = 0.1;
 /// Cells: depths below this are not looked for.
-constexpr double least_depth = 1e-5;
-constexpr int most_levels = 14;
-constexpr std::size_t most_leaves = 8192;
+constexpr double min_depth = 1e-5;
+constexpr int max_levels = 14;
+constexpr std::size_t max_leaves = 8192;
 /// Grid coordinates, from a surface into the body: less than the thinnest cells that are kept.
 constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
-constexpr double least_facing_cosine = 0.1;
+constexpr double min_facing_cosine = 0.1;
 
 /// Square of the plane across the group's mean normal, with the samples in the middles of its quarters.
 struct Leaf {
@@ -120,7 +120,7 @@ class Sampler {
     bool inside = false;
     for (const Crossing& c : crossings) {
       // Other surfaces of the face, too: beside an edge or a corner they show how deep the group's own one may lie.
-      if (c.normal.dot(direction) < least_facing_cosine) continue;
+      if (c.normal.dot(direction) < min_facing_cosine) continue;
       if (own && std::abs(c.t) >= std::abs(own->t)) continue;
       const Vec3 y = start + c.t * direction;
       if (!pair_.face(pair_.primary)
@@ -196,15 +196,15 @@ std::vector<GapSample> GapSampler::Impl::samples(double limit) {
       if (sample.inside) smallest = std::min(smallest, sample.distance);
   };
   for (const Place& place : places) look(leaf(place));
-  for (int level = 0; level < most_levels; ++level) {
-    const double depth = std::max(limit - smallest, least_depth * group_.larger_cell);
+  for (int level = 0; level < max_levels; ++level) {
+    const double depth = std::max(limit - smallest, min_depth * group_.larger_cell);
     const auto fine = [&](const Place& place) {
       const Leaf& square = leaf(place);
       return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_part * depth;
     };
     const std::size_t coarse = places.size() - std::count_if(places.begin(), places.end(), fine);
     // All or none: a strip that is finer at one end would count for less at the other.
-    if (coarse == 0 || places.size() + 3 * coarse > most_leaves) break;
+    if (coarse == 0 || places.size() + 3 * coarse > max_leaves) break;
     std::vector<Place> finer;
     for (const Place& place : places) {
       if (fine(place)) {

@@ -42,7 +42,7 @@ CompressedGapRows<MemSpace> rows_of_pair(const ExecSpace& exec, const ContactPai
                   side_of(bodies, system, pair.secondary));
 }
 
-constexpr std::size_t most_copies = 3;
+constexpr std::size_t max_copies = 3;
 
 /// Rows of a pair, without their family.
 std::vector<GroupRow> host_rows(const ContactPair& pair, const CompressedGapRows<MemSpace>& of_pair,
@@ -68,7 +68,7 @@ class Families {
       max_surfaces_ = std::max(max_surfaces_, body.cut_cells.solid.surfaces().size());
   }
   int operator()(std::size_t pair, std::size_t copy, int surface) const {
-    return static_cast<int>((pair * most_copies + copy) * max_surfaces_ + surface);
+    return static_cast<int>((pair * max_copies + copy) * max_surfaces_ + surface);
   }
 
  private:

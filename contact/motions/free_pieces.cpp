@@ -18,7 +18,7 @@ namespace {
 constexpr double negligible = 1e-3;
 /// Mean squared resistance of a face to a motion (of 1 at its fastest) that makes it worth naming.
 constexpr double worth_holding = 0.02;
-constexpr std::size_t most_pieces = 1000;
+constexpr std::size_t max_pieces = 1000;
 
 /// Components that are rounding beside the others, or beside `size`, are zero.
 std::string as_text(Vec3 x, double size = 0) {
@@ -27,7 +27,7 @@ std::string as_text(Vec3 x, double size = 0) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]);
 }
 
-std::string motion_text(const RigidPiece& piece, const RigidMotion& m) {
+std::string motion_text(const RigidComponent& piece, const RigidMotion& m) {
   const Vec3 t = m.head<3>(), r = m.tail<3>() / piece.size();
   if (m.tail<3>().norm() < negligible * m.norm()) return "move along " + direction_text(t.normalized());
   const Vec3 axis = r.normalized();
@@ -70,7 +70,7 @@ class FreeMotion {
       : scene_(scene), bodies_(bodies), pieces_(separate_pieces(bodies)) {}
 
   std::string describe(const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) const {
-    if (pieces_.list.size() > most_pieces)
+    if (pieces_.list.size() > max_pieces)
       return fmt::format("the bodies are in {} separate pieces: are the cells larger than their walls?",
                          pieces_.list.size());
     const Eigen::MatrixXd modes = free_rigid_motions(pieces_, bodies_, supports, pairs);
@@ -86,7 +86,7 @@ class FreeMotion {
       if (share > most * (1 + negligible)) chosen = static_cast<Eigen::Index>(k);
       most = std::max(most, share);
     }
-    const RigidPiece& piece = pieces_.list[chosen];
+    const RigidComponent& piece = pieces_.list[chosen];
     const Eigen::MatrixXd own = modes.middleRows<6>(6 * chosen);
     const SingularValues svd(own, Eigen::ComputeThinU | Eigen::ComputeThinV);
     Eigen::Index dimension = 0;
@@ -109,9 +109,9 @@ class FreeMotion {
   }
 
   std::string piece_text(Eigen::Index k) const {
-    const RigidPiece& piece = pieces_.list[k];
+    const RigidComponent& piece = pieces_.list[k];
     const std::string name = fmt::format("body \"{}\"", scene_.bodies[piece.body].name);
-    const auto same = [&](const RigidPiece& other) { return other.body == piece.body; };
+    const auto same = [&](const RigidComponent& other) { return other.body == piece.body; };
     const auto count = std::count_if(pieces_.list.begin(), pieces_.list.end(), same);
     if (count == 1) return name;
     const auto number = std::count_if(pieces_.list.begin(), pieces_.list.begin() + k + 1, same);
@@ -136,7 +136,7 @@ class FreeMotion {
   std::string advice(Eigen::Index chosen, Eigen::MatrixXd free) const {
     std::map<std::string, Eigen::Matrix<double, 6, 6>> resistance;  // of "face", symmetry ... per unit area
     std::map<std::string, double> area;
-    const RigidPiece& piece = pieces_.list[chosen];
+    const RigidComponent& piece = pieces_.list[chosen];
     const BodyModel& body = bodies_[piece.body];
     for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
       if (pieces_.of_cell[piece.body][body.cut_cells.boundary.cell[p]] != chosen) continue;
@@ -174,7 +174,7 @@ class FreeMotion {
 
   const Scene& scene_;
   const std::vector<BodyModel>& bodies_;
-  const RigidPieces pieces_;
+  const RigidComponents pieces_;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ using Block = Eigen::Matrix<double, 6, 6>;
 /// Resistance of supports and closed contact by pairs of connected components (lower triangle: first >= second).
 using PieceResistance = std::map<std::pair<int, int>, Block>;
 
-PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+PieceResistance resistance_of(const RigidComponents& pieces, const std::vector<BodyModel>& bodies,
                               const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
   PieceResistance sum;
   const auto add = [&](int i, int j, const Block& block) {
@@ -26,7 +26,7 @@ PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyM
   for (const SupportPoint& p : supports) {
     if (p.follows) continue;
     const int k = pieces.at(p.body, p.cell);
-    const RigidPiece& piece = pieces.list[k];
+    const RigidComponent& piece = pieces.list[k];
     const RigidMotion q = piece.row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     add(k, k, p.weight / (piece.size() * piece.size()) * q * q.transpose());
   }
@@ -87,13 +87,13 @@ Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const PieceResi
 
 /// Adds the `count` connected components of a body, given by their numbers in it.
 void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int> piece_of_cell, int count,
-                RigidPieces& pieces) {
+                RigidComponents& pieces) {
   const CutCells& cells = bodies[body].cut_cells;
   const int first = static_cast<int>(pieces.list.size());
   pieces.list.resize(first + count);
   for (std::size_t e = 0; e < cells.cells.size(); ++e) {
     piece_of_cell[e] += first;
-    RigidPiece& piece = pieces.list[piece_of_cell[e]];
+    RigidComponent& piece = pieces.list[piece_of_cell[e]];
     piece.body = body;
     extend_box(cells, static_cast<int>(e), piece.low, piece.high);
   }
@@ -114,15 +114,15 @@ std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<Con
   return assembly;
 }
 
-RigidPieces whole_bodies(const std::vector<BodyModel>& bodies) {
-  RigidPieces pieces;
+RigidComponents whole_bodies(const std::vector<BodyModel>& bodies) {
+  RigidComponents pieces;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     pieces.list.push_back({static_cast<int>(b), bodies[b].low, bodies[b].high});
   return pieces;
 }
 
-RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
-  RigidPieces pieces;
+RigidComponents separate_pieces(const std::vector<BodyModel>& bodies) {
+  RigidComponents pieces;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     int count = 0;
     std::vector<int> piece_of_cell = find_connected_pieces(bodies[b].cut_cells, count);
@@ -131,7 +131,7 @@ RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
   return pieces;
 }
 
-Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+Eigen::MatrixXd free_rigid_motions(const RigidComponents& pieces, const std::vector<BodyModel>& bodies,
                                    const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                    double no_stiffness) {
   const PieceResistance resistance = resistance_of(pieces, bodies, supports, pairs);

@@ -15,7 +15,7 @@ constexpr double tolerance = 1e-10;
 /// pairs.
 struct Statics::Impl {
   const std::vector<ContactPair>& pairs;
-  RigidPieces pieces;
+  RigidComponents pieces;
   std::vector<double> closed_area;  // of each pair
   SymmetricEigen<Eigen::Dynamic> matrix;
 

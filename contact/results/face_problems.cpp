@@ -19,7 +19,7 @@ constexpr double beyond_closed = 1.25;
 /// (2 pi / 2)^-6.
 constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
-constexpr double least_angle = 1e-4;
+constexpr double min_angle = 1e-4;
 /// Fraction of a zone's force that decides nothing.
 constexpr double relevant_part = 0.01;
 
@@ -62,7 +62,7 @@ double widest_facet(const SolvedState& state, const ContactPair& pair, const Zon
     if (!patches.is_closed(q)) continue;
     const ContactPoint point = pair.points[q];
     const Vec3& position = body == pair.primary ? point.primary_position : point.secondary_position;
-    widest = std::max(widest, cells.grid.cell_size * cells.solid.geometry().facet_width(position, least_angle));
+    widest = std::max(widest, cells.grid.cell_size * cells.solid.geometry().facet_width(position, min_angle));
   }
   return widest;
 }

@@ -66,11 +66,11 @@ Eigen::MatrixXd motions_along(const std::array<std::vector<PressedPlace>, 2>& si
 }
 
 std::optional<TorqueCapacity> axis_of_motions(const Eigen::MatrixXd& motions, const Vec3& zone_centre, double size,
-                                              const Vec3& centre, double least_rotation) {
+                                              const Vec3& centre, double min_rotation) {
   if (motions.cols() == 0) return {};
   const SingularValues rotations(motions.bottomRows(3), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const auto rotation = [&](Eigen::Index k) { return k < rotations.values().size() ? rotations.values()[k] : 0.0; };
-  if (!(rotation(0) > least_rotation) || rotation(1) > no_rotation * rotation(0)) return {};
+  if (!(rotation(0) > min_rotation) || rotation(1) > no_rotation * rotation(0)) return {};
   TorqueCapacity found;
   const double sign = largest_component(rotations.left().col(0)) < 0 ? -1 : 1;
   found.axis.direction = without_rounding(sign * rotations.left().col(0), 1);
@@ -287,8 +287,8 @@ std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<Pressed
   for (const auto& side : sides)
     for (const PressedPlace& place : side) size = std::max(size, (place.x - middle).norm());
   if (!(size > 0)) return {};
-  const auto find = [&](double tolerance, double least_rotation) {
-    return axis_of_motions(motions_along(sides, middle, size, across, tolerance), middle, size, centre, least_rotation);
+  const auto find = [&](double tolerance, double min_rotation) {
+    return axis_of_motions(motions_along(sides, middle, size, across, tolerance), middle, size, centre, min_rotation);
   };
   if (const auto exact = find(exact_face, far_axis)) return exact;
   const auto near = find(faceted, far_axis_of_facets);
@@ -302,7 +302,7 @@ namespace {
 constexpr double no_change_by_shear = 0.005;
 /// Least number of steps in which bodies of different materials are pressed; fraction of the closed area that was apart
 /// before the first one; fraction of a cell that slip may be (contact points see what lay opposite in the beginning).
-constexpr std::size_t fewest_steps = 10;
+constexpr std::size_t min_steps = 10;
 constexpr double little_area = 0.1, small_slip = 1.0 / 3;
 
 /// Compliance 1/G; 0 of a rigid body.
@@ -338,11 +338,11 @@ std::vector<std::string> friction_warnings(const SolvedState& state) {
     const ContactPair& pair = state.pairs[k];
     if (pair.num_tangents == 0) continue;
     const std::size_t steps = std::max<std::size_t>(1, state.scene.steps.size());
-    if (steps < fewest_steps && shear_changes_pressure(state, pair) && part_that_was_apart(pair) > little_area)
+    if (steps < min_steps && shear_changes_pressure(state, pair) && part_that_was_apart(pair) > little_area)
       warnings.push_back(fmt::format(
           "contact \"{}\": bodies of different materials slip while they are pressed, here in {} step{}: what sticks "
           "depends on the steps, {} or more say it better",
-          pair.spec->name, steps, steps == 1 ? "" : "s", fewest_steps));
+          pair.spec->name, steps, steps == 1 ? "" : "s", min_steps));
     double farthest = 0;
     const std::vector<Vec3>& slip = state.outer.friction[k].slip;
     for (std::size_t q = 0; q < slip.size(); ++q)

@@ -21,7 +21,7 @@ constexpr int num_samples = 401;
 constexpr double below_face = 1e-3;
 /// Steps of the first walk to the ends of a path, in cells, and their number at most.
 constexpr double walk_step = 0.25;
-constexpr int most_steps = 4000;
+constexpr int max_steps = 4000;
 /// Distance from the last pressure to the end of a path: fraction of its length, and cells.
 constexpr double beyond = 0.3, beyond_cells = 2;
 /// Fraction of the largest pressure of the pair.
@@ -98,7 +98,7 @@ struct Extent {
 Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec3& along, double h) {
   double last_pressed = 0;
   Extent extent;
-  walk(project, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
+  walk(project, top, along, walk_step * h, max_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > hardly_any_pressure * top.pressure_sprc) last_pressed = way;

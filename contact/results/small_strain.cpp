@@ -29,7 +29,7 @@ struct StrainExtremes {
 };
 
 /// At the centroid of every cell; of several ranks each computes some of them.
-StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
+StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const BodyMotion& body_motion,
                              double length_scale) {
   const std::size_t cells = cc.cells.size();
   std::vector<StrainExtremes> found(num_chunks(cells, grain_of_light));
@@ -45,12 +45,12 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
           corner_values(mesh.cell_nodes[e], u, corner);
           for (auto& v : corner)
             for (double& component : v) component *= length_scale;
-          const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * rigid_part.at(x));
+          const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * body_motion.at(x));
           interpolate_gradient(corner, xi.data(), g);
           add_ring_strain(mesh.ring_of(static_cast<int>(e)), corner, xi.data(), g);
           const Mat3 gradient =  // m per m, grid axes
               Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&g[0][0]) / cc.h(static_cast<int>(e)) +
-              cc.grid.rotation.transpose() * rigid_part.expansion * cc.grid.rotation;
+              cc.grid.rotation.transpose() * body_motion.expansion * cc.grid.rotation;
           const Mat3 strain = 0.5 * (gradient + gradient.transpose());
           // The Frobenius norm bounds the principal strains; it is found without them.
           if (strain.norm() > found[chunk].strain.value)
@@ -68,7 +68,7 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
 }
 
 StrainExtremes extremes_of(const SolvedState& state, std::size_t b) {
-  return find_extremes(state.bodies[b].cut_cells, state.system.meshes[b], state.outer.u, state.outer.rigid_parts[b],
+  return find_extremes(state.bodies[b].cut_cells, state.system.meshes[b], state.outer.u, state.outer.body_motions[b],
                        state.scales.length);
 }
 

@@ -38,7 +38,7 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
     if (state.bodies[body].spec->rigid()) continue;
     const auto [thickness, cell] = thickness_at_contact(state, pair, body);
     const double needed = cell * thickness / state.scene.results.wanted_thickness;
-    if (thickness >= state.scene.results.least_thickness) continue;
+    if (thickness >= state.scene.results.min_thickness) continue;
     j.thin_body = body;
     j.thickness = thickness;
     j.pair.cell_size_needed = std::min(needed, j.pair.cell_size_needed.value_or(needed));
@@ -63,10 +63,10 @@ ZoneWidth width_between_points(const ContactPair& pair) {
 
 /// Cells across a zone from which on its figures are reliable: fewer where problems on the faces give all of its
 /// pressure (docs/accuracy.md, "The pressure on the face").
-double least_cells_across(const SolvedState& state, int pair) {
+double min_cells_across(const SolvedState& state, int pair) {
   const ResultOptions& options = state.scene.results;
   const bool on_face = state.faces.has_zone(pair) && state.faces.left_out[pair] == 0;
-  return on_face ? options.least_cells_on_face : options.least_cells_across;
+  return on_face ? options.min_cells_on_face : options.min_cells_across;
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
@@ -85,7 +85,7 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       j.pair.state = State::resolved;
     } else if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
-      j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across(state, static_cast<int>(p))
+      j.pair.state = widths[p].cells && *widths[p].cells < min_cells_across(state, static_cast<int>(p))
                          ? State::not_resolved
                          : State::resolved;
       if (j.pair.state == State::not_resolved)
@@ -161,12 +161,12 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
       j.pair.name, *j.pair.cells_across, *j.pair.cell_size_needed);
 }
 
-std::string resolved_text(const Results& results, const std::vector<Judged>& pairs, double least_force) {
+std::string resolved_text(const Results& results, const std::vector<Judged>& pairs, double min_force) {
   if (std::all_of(results.pairs.begin(), results.pairs.end(), [](const PairFigures& pair) { return pair.bonded; }))
     return "all contact is bonded: no zone to resolve";
   const Judged* narrowest = nullptr;
   for (const Judged& j : pairs)
-    if (j.force >= least_force && j.pair.cells_across &&
+    if (j.force >= min_force && j.pair.cells_across &&
         (!narrowest || *j.pair.cells_across < *narrowest->pair.cells_across))
       narrowest = &j;
   if (!narrowest) return "the contact is resolved";
@@ -211,9 +211,9 @@ Verdict judge(const SolvedState& state, const Results& results) {
     }
     verdict.pairs.push_back(j.pair);
   }
-  const auto find = [&](State wanted, double least_force) {
+  const auto find = [&](State wanted, double min_force) {
     return std::find_if(pairs.begin(), pairs.end(),
-                        [&](const Judged& j) { return j.pair.state == wanted && j.force >= least_force; });
+                        [&](const Judged& j) { return j.pair.state == wanted && j.force >= min_force; });
   };
   const auto end = pairs.end();
   if (!state.outer.converged) {

@@ -25,7 +25,7 @@ constexpr double across = 1e-6, no_curvature = 1e-6;
 /// Fraction of a body's size that is rounding; cells by which a face may miss its mirror image.
 constexpr double same_place = 1e-6, same_face = 0.01;
 /// Half the width of the zone over the smallest radius of curvature up to which Hertz's half-spaces stand for bodies.
-constexpr double largest_width = 0.5;
+constexpr double max_width = 0.5;
 
 /// Turns a direction to z.
 Mat3 rotation_to(const Vec3& direction) { return rotation_between(direction, Vec3::UnitZ()); }
@@ -67,19 +67,19 @@ class Zone {
     if (!flat_) return std::nullopt;
     if (body_of_revolution() && extent()->shape != ZoneExtent::Shape::round) return std::nullopt;  // a ring
     Mat3 curvature = Mat3::Zero();
-    double least_radius = std::numeric_limits<double>::infinity();
+    double min_radius = std::numeric_limits<double>::infinity();
     for (const int body : {pair_.primary, pair_.secondary}) {
       const auto surface = surface_of(body);
       if (!surface) return std::nullopt;
       curvature += curvature_of(*surface, body);
       if (surface->radius > 0)
-        least_radius = std::min(least_radius, surface->radius * state_.bodies[body].cut_cells.grid.cell_size);
+        min_radius = std::min(min_radius, surface->radius * state_.bodies[body].cut_cells.grid.cell_size);
     }
     Eigen::Matrix<double, 3, 2> tangents;
     tangents << direction_[0], direction_[1];
     const SymmetricEigen<2> solver(tangents.transpose() * curvature * tangents);
     const double least = solver.eigenvalues()[0], most = solver.eigenvalues()[1];
-    if (!(most * least_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
+    if (!(most * min_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
     const double modulus =
         effective_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
     HertzFigures hertz;
@@ -91,7 +91,7 @@ class Zone {
       const double length = std::sqrt(12 * along.dot(moments_ * along));  // of a rectangle
       hertz = hertz_line(whole / length, most, modulus);
     }
-    if (std::max(hertz.b, hertz.a.value_or(0)) > largest_width * least_radius) return std::nullopt;
+    if (std::max(hertz.b, hertz.a.value_or(0)) > max_width * min_radius) return std::nullopt;
     return hertz;
   }
 

@@ -20,12 +20,12 @@ constexpr int samples_per_cell = 48, min_samples = 4;
 constexpr int patches_along = 2;
 /// A whole zone has fewer patches per cell when it has more patches than that, some 100 across: more gain nothing
 /// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
-constexpr double most_patches = 8192;
+constexpr double max_patches = 8192;
 constexpr int min_per_cell = 5;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
 constexpr double too_many_patches = 262144;
 /// The same of rings, whose compliance is a dense matrix.
-constexpr double most_rings = 1024, too_many_rings = 2048;
+constexpr double max_rings = 1024, too_many_rings = 2048;
 
 /// Rounds up to what solve_face_zone can halve.
 int even(double count) {
@@ -139,7 +139,7 @@ bool ZonePatches::lay_grid() {
     for (const FaceEnd end : grid_.end) patches *= end == FaceEnd::mirror ? 2 : 1;
     const bool rings = state_.bodies[pair_.primary].cut_cells.grid.is_axisymmetric();
     if (rings) patches = grid_.size[1];
-    if (patches <= (rings ? most_rings : most_patches) || per_cell < 2 * min_per_cell)
+    if (patches <= (rings ? max_rings : max_patches) || per_cell < 2 * min_per_cell)
       return patches <= (rings ? too_many_rings : too_many_patches);
   }
 }

@@ -77,7 +77,7 @@ class PairZones {
   }
 
   /// None: no open point bounds a zone that matters.
-  ZoneWidth least_width() const {
+  ZoneWidth min_width() const {
     double total = 0;
     ZoneWidth least;
     for (const auto& [name, zone] : zones_) total += zone.force;
@@ -199,7 +199,7 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
     const std::vector<TransmittedForce> closed = zone.closed_cells();
     for (const int p : pairs) {
-      const ZoneWidth least = PairZones(zone, closed, p).least_width();
+      const ZoneWidth least = PairZones(zone, closed, p).min_width();
       if (least.cells) widths[p] = {std::max(*least.cells, narrowest), least.cell};
     }
   }

@@ -24,9 +24,9 @@ std::vector<double> to_host(const RealView& values) {
 Iterate::Iterate(const OuterProblem& outer_problem)
     : problem(outer_problem),
       u("cgcontact::iterate::u", problem.system.num_dofs()),
-      rigid_parts(problem.system.meshes, problem.scales),
+      body_motions(problem.system.meshes, problem.scales),
       floating(problem.bodies, problem.supports, problem.pairs),
-      small_zones(problem.bodies, problem.pairs, floating.led_pairs(), problem.scene.solver),
+      small_zones(problem.bodies, problem.pairs, floating.displacement_driven_pairs(), problem.scene.solver),
       friction(problem),
       support_stress("cgcontact::iterate::support_stress", problem.supports.size()),
       rigid_gap_change("cgcontact::iterate::rigid_gap_change", problem.system.group_rows.size()),
@@ -42,7 +42,7 @@ Iterate::Iterate(const OuterProblem& outer_problem)
 
 void Iterate::forget() {
   Kokkos::deep_copy(u, 0.0);
-  rigid_parts.forget();
+  body_motions.forget();
   Kokkos::deep_copy(rigid_gap_change, 0.0);
   small_zones.forget();
   friction.forget();
@@ -58,10 +58,10 @@ void Iterate::forget() {
 /// Supports that have been added come last.
 void Iterate::take_over(const Iterate& other) {
   Kokkos::deep_copy(u, other.u);
-  rigid_parts.forget();
+  body_motions.forget();
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
-    const RigidPart& part = other.rigid_parts.of_bodies()[b];
-    rigid_parts.move(b, part.translation, part.rotation, part.centre);
+    const BodyMotion& part = other.body_motions.of_bodies()[b];
+    body_motions.move(b, part.translation, part.rotation, part.centre);
   }
   Kokkos::deep_copy(rigid_gap_change, 0.0);
   const auto take = [](PointValues& to, const PointValues& from) {
@@ -75,10 +75,10 @@ void Iterate::take_over(const Iterate& other) {
   small_zones.forget();
 }
 
-void Iterate::set_rigid_parts_aside() {
-  rigid_parts.set_aside(problem.exec, u);
+void Iterate::set_rigid_motions_aside() {
+  body_motions.set_aside(problem.exec, u);
   const RealView at_dofs = new_values("cgcontact::iterate::rigid_at_dofs", row_places_.body.extent(0));
-  cgcontact::rigid_displacements(problem.exec, row_places_, rigid_parts.on_device(), at_dofs);
+  cgcontact::rigid_displacements(problem.exec, row_places_, body_motions.on_device(), at_dofs);
   const GroupRows& rows = problem.system.groups;
   Kokkos::deep_copy(problem.exec, rigid_gap_change, 0.0);
   multiply_rows(problem.exec, rows.row_begin, entry_place_, rows.row_value, at_dofs, 1, rigid_gap_change,
@@ -101,7 +101,7 @@ const SupportArrays<MemSpace>& Iterate::supports() const {
 
 RealView Iterate::rigid_displacements() const {
   const RealView moved = new_values("cgcontact::iterate::support_displacements", problem.supports.size());
-  cgcontact::rigid_displacements(problem.exec, support_places_, rigid_parts.on_device(), moved);
+  cgcontact::rigid_displacements(problem.exec, support_places_, body_motions.on_device(), moved);
   problem.exec.fence();
   return moved;
 }

@@ -7,7 +7,7 @@
 #include "contact/solve/contact_arrays.hpp"
 #include "contact/solve/friction.hpp"
 #include "contact/solve/rigid_contact.hpp"
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 
 namespace cgcontact {
 
@@ -24,8 +24,8 @@ struct Iterate {
   void forget();
   /// Displacements and stresses of the same bodies and pairs, to which supports have been added.
   void take_over(const Iterate& other);
-  /// Moves rigid motions from u into rigid_parts, with what follows for the gaps.
-  void set_rigid_parts_aside();
+  /// Moves rigid motions from u into body_motions, with what follows for the gaps.
+  void set_rigid_motions_aside();
 
   /// Returns the unit of forces, N.
   double force_unit() const { return problem.scales.stress * problem.scales.length * problem.scales.length; }
@@ -65,7 +65,7 @@ struct Iterate {
 
   OuterProblem problem;
   RealView u;  ///< without the rigid motions, Scales::length
-  RigidParts rigid_parts;
+  BodyMotions body_motions;
   FloatingBodies floating;
   SmallZones small_zones;
   Friction friction;

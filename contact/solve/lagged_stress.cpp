@@ -43,7 +43,7 @@ double square_of_rounding(const Iterate& iterate) {
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
     if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area *
-         std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.problem.exec, iterate.u), 2);
+         std::pow(no_stress * stiffest * iterate.body_motions.largest_displacement(iterate.problem.exec, iterate.u), 2);
 }
 
 }  // namespace

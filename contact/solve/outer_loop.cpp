@@ -112,7 +112,7 @@ void ContactSolver::Impl::take_loads() {
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   take_loads();
   for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
-    now_.rigid_parts.set_expansion(b, problem_.bodies[b].expansion);
+    now_.body_motions.set_expansion(b, problem_.bodies[b].expansion);
   // Closed points of another grid hold all bodies; without its displacements there is no way to search along.
   bool held = false;
   if (!warm_) {
@@ -162,7 +162,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     held = !now_.floating.any() || contact_holds_floating_bodies();
     if (!unbalanced_.empty() || (!held && !balance_floating_bodies())) {
       update_active_set(now_, false);
-      return stop(iteration, describe_parting(open_what_parts(now_, unbalanced_), problem_.pairs.size()), result);
+      return stop(iteration, describe_parting(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()), result);
     }
     now_.let_springs_follow();
     if (wanders_far()) {
@@ -222,7 +222,7 @@ void ContactSolver::Impl::renew_friction() {
 
 void ContactSolver::Impl::take_turned_rows() {
   right_hand_side_.take_rows(problem_);
-  now_.set_rigid_parts_aside();  // what they do to the rows
+  now_.set_rigid_motions_aside();  // what they do to the rows
 }
 
 /// Allows more than max_outer_iterations while the residual falls: bodies that roll on an edge and friction close to
@@ -235,14 +235,14 @@ bool ContactSolver::Impl::may_go_on(int iteration, const std::vector<double>& re
 }
 
 bool ContactSolver::Impl::wanders_far() const {
-  return wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > farthest_wandering;
+  return wanderers_ && wanderers_->farthest(now_.body_motions.of_bodies()) > farthest_wandering;
 }
 
 /// Returns whether all else stands still, while bodies that soft springs follow do not come to rest.
 bool ContactSolver::Impl::wanders_on(const std::vector<double>& residuals) const {
   const std::size_t n = residuals.size();
   return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] &&
-         wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > no_wandering;
+         wanderers_ && wanderers_->farthest(now_.body_motions.of_bodies()) > no_wandering;
 }
 
 /// From the state of a solver of the same scene whose bodies were not held along surfaces yet.
@@ -255,7 +255,7 @@ void ContactSolver::Impl::take_over(const Impl& other) {
 /// Linear system of the present iterate.
 void ContactSolver::Impl::assemble() {
   set_group_stiffness(problem_.system, now_.group_stiffness());
-  now_.set_rigid_parts_aside();
+  now_.set_rigid_motions_aside();
   right_hand_side_.assemble(now_);
 }
 
@@ -319,7 +319,7 @@ void ContactSolver::Impl::end_step() { now_.friction.end_step(now_.groups(), now
 
 /// Moves the bodies that contact alone holds to where its forces balance the loads. False: nothing stops one.
 bool ContactSolver::Impl::balance_floating_bodies() {
-  now_.set_rigid_parts_aside();
+  now_.set_rigid_motions_aside();
   std::vector<double> gap = now_.group_gap_change();
   std::vector<double> stress(now_.contact_stress.h_view.extent(0));
   for (std::size_t q = 0; q < stress.size(); ++q) stress[q] = now_.contact_stress.h_view(q) * problem_.scales.stress;
@@ -330,10 +330,10 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
-    const RigidPiece& piece = now_.floating.pieces()[b];
-    now_.rigid_parts.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / piece.size(), piece.centre());
+    const RigidComponent& piece = now_.floating.pieces()[b];
+    now_.body_motions.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / piece.size(), piece.centre());
   }
-  now_.set_rigid_parts_aside();
+  now_.set_rigid_motions_aside();
   return true;
 }
 
@@ -365,7 +365,7 @@ OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, Out
 
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
-  result.rigid_parts = now_.rigid_parts.of_bodies();
+  result.body_motions = now_.body_motions.of_bodies();
   result.group_force = now_.group_force(true);
   const auto first_row = result.group_force.begin() + now_.friction.first_row();
   result.friction_force.assign(first_row, result.group_force.end());

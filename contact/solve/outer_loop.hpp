@@ -10,7 +10,7 @@
 #include <string>
 
 #include "contact/solve/friction.hpp"
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 #include "contact/solve/small_zones.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -26,7 +26,7 @@ struct OuterStep {
 
 struct OuterResult {
   RealView u;  ///< displacements of all bodies less their rigid motions, Scales::length; the next call overwrites them
-  std::vector<RigidPart> rigid_parts;  ///< of each body
+  std::vector<BodyMotion> body_motions;  ///< of each body
   int iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> residuals;

@@ -12,7 +12,7 @@ namespace {
 /// Fraction of the kappa terms: forces below are rounding.
 constexpr double no_force = 1e-10;
 /// System units: squares of what is smaller lose the digits that the smallest linear tolerance asks for.
-const double least_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;
+const double min_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;
 
 }  // namespace
 
@@ -53,7 +53,7 @@ bool RightHandSide::underflows() const {
       "cgcontact::right_hand_side::largest", Kokkos::RangePolicy<ExecSpace>(exec_, 0, vector.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i, double& most) { most = std::max(most, std::abs(vector(i))); },
       Kokkos::Max<double>(largest));
-  return largest > 0 && largest < least_squarable;
+  return largest > 0 && largest < min_squarable;
 }
 
 void RightHandSide::assemble(const Iterate& iterate) {

@@ -25,7 +25,7 @@ constexpr double balanced = 1e-6, well_balanced = 1e-11;
 /// Fraction of the loads that the exact normals of one side may leave over.
 constexpr double little_load = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
-constexpr int most_steps = 100, many_steps = 30, most_halvings = 80;
+constexpr int max_steps = 100, many_steps = 30, max_halvings = 80;
 
 /// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
 struct Spring {
@@ -138,7 +138,7 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
   };
   double low = 0, high = 1;
   if (slope(high) <= 0) return high;
-  for (int k = 0; k < most_halvings && high - low > 1e-12 * high; ++k) {
+  for (int k = 0; k < max_halvings && high - low > 1e-12 * high; ++k) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;
   }
@@ -147,7 +147,7 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
 
 bool RigidBodies::solve() {
   double open = open_at_first;
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < max_steps; ++k) {
     const Eigen::VectorXd now = unbalanced();
     if (now.norm() <= (k < many_steps ? well_balanced : balanced) * scale()) return true;
     const Eigen::VectorXd step = newton_step(now, open);
@@ -161,7 +161,7 @@ bool RigidBodies::solve() {
 
 /// Spring of a contact group along directions at its points, without these.
 template <class DirectionAt>
-Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces,
+Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& pieces,
                     const DirectionAt& direction_at) {
   Spring spring;
   spring.first = pair.primary;
@@ -177,7 +177,7 @@ Spring spring_along(const ContactPair& pair, const ContactGroup& group, const st
   return spring;
 }
 
-Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces) {
+Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& pieces) {
   return spring_along(pair, group, pieces, [&](int q) { return pair.points.direction(q); });
 }
 
@@ -191,7 +191,7 @@ Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>
 
 bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                    std::vector<ContactPair>& pairs) {
-  const std::vector<RigidPiece> pieces = whole_bodies(bodies).list;
+  const std::vector<RigidComponent> pieces = whole_bodies(bodies).list;
   RigidBodies rigid;
   rigid.load = loads_on(bodies, pieces).first;
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
@@ -260,8 +260,8 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
   }
   if (!any_) return;
   find_loaded();
-  const std::vector<Led> led = led_pairs();
-  if (std::count(led.begin(), led.end(), Led::squeezed) > 0) hold_along_surfaces(supports);
+  const std::vector<DisplacementDriven> led = displacement_driven_pairs();
+  if (std::count(led.begin(), led.end(), DisplacementDriven::squeezed) > 0) hold_along_surfaces(supports);
 }
 
 bool FloatingBodies::floats(int body) const { return free_[body].norm() > 0.5; }
@@ -293,8 +293,8 @@ void FloatingBodies::hold_along_surfaces(const std::vector<SupportPoint>& suppor
   }
 }
 
-std::vector<Led> FloatingBodies::led_pairs() const {
-  std::vector<Led> led;
+std::vector<DisplacementDriven> FloatingBodies::displacement_driven_pairs() const {
+  std::vector<DisplacementDriven> led;
   for (const ContactPair& pair : pairs_) {
     const auto driven = [&](int body) { return floats(body) && loaded_[body]; };
     const bool held = !floats(pair.primary) && !floats(pair.secondary);
@@ -302,10 +302,10 @@ std::vector<Led> FloatingBodies::led_pairs() const {
     const bool line = bodies_[pair.primary].spec->quadtree;
     // The law of small zones knows no friction.
     const bool other_law = pair.bonded() || pair.num_tangents > 0;
-    led.push_back(line || other_law                                ? Led::no
-                  : held                                           ? Led::held
-                  : driven(pair.primary) || driven(pair.secondary) ? Led::no
-                                                                   : Led::squeezed);
+    led.push_back(line || other_law                                ? DisplacementDriven::no
+                  : held                                           ? DisplacementDriven::held
+                  : driven(pair.primary) || driven(pair.secondary) ? DisplacementDriven::no
+                                                                   : DisplacementDriven::squeezed);
   }
   return led;
 }

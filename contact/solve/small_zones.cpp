@@ -15,7 +15,7 @@ namespace {
 /// Mean displacement of a square of side h under a uniform pressure, times E* h / F.
 constexpr double own_displacement = 0.946;
 /// Largest fraction of a force's change that the cells' own deformation may take.
-constexpr double largest_own_part = 0.8;
+constexpr double max_own_fraction = 0.8;
 /// Cells within which forces act on the local depth as a zone does, not as cells see it: the next groups.
 constexpr double zone_reach = 1.5;
 /// Samples serve until the overlap has grown or shrunk by that.
@@ -105,7 +105,7 @@ struct SmallZones::Law {
   double total = 0, part_of_cells = 0;                   ///< N; of the approach
 };
 
-SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
+SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<DisplacementDriven> led,
                        const SolverOptions& options)
     : bodies_(bodies), pairs_(pairs), led_(std::move(led)), options_(options) {
   std::size_t size = 0;
@@ -113,7 +113,7 @@ SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<Contact
     first_.push_back(size);
     size += pair.groups.size();
     planes_.emplace_back();
-    if (led_[planes_.size() - 1] == Led::no) continue;
+    if (led_[planes_.size() - 1] == DisplacementDriven::no) continue;
     const BodyModel &a = bodies[pair.primary], &b = bodies[pair.secondary];
     planes_.back() = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
                                    a.cut_cells.grid.cell_size);
@@ -152,7 +152,7 @@ ZoneSpring SmallZones::spring(std::size_t g) const {
   ZoneSpring spring;
   const std::size_t pair = std::upper_bound(first_.begin(), first_.end(), g) - first_.begin() - 1;
   const State& state = groups_[g];
-  if (led_[pair] != Led::squeezed || !(state.small || state.beside)) return spring;
+  if (led_[pair] != DisplacementDriven::squeezed || !(state.small || state.beside)) return spring;
   if (state.small && state.force > 0) {
     spring.stiffness = state.stiffness;
     spring.points.push_back({1, state.force + state.stiffness * state.gap});
@@ -326,7 +326,7 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
     double own = 0;
     for (const Neighbours::Image& image : near.of_group[i])
       if (image.group == i) own += compliance(image);
-    law.own_part.push_back(std::min(law.stiffness.back() * own, largest_own_part));
+    law.own_part.push_back(std::min(law.stiffness.back() * own, max_own_fraction));
     law.total += law.force.back();
     if (overlaps[i].area > 0) depth += law.force.back() * overlaps[i].volume / overlaps[i].area;
   }
@@ -358,7 +358,7 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
                                    const std::vector<double>& group_force) const {
   double deepest = 0;
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-    if (led_[pair] != Led::squeezed) continue;
+    if (led_[pair] != DisplacementDriven::squeezed) continue;
     for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
       deepest = std::max(deepest, std::min(group(pair, g).larger_cell,
                                            approach(pair, g, gap_change, group_force) - nearest_distance(pair, g)));
@@ -370,7 +370,7 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
 void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_change,
                              const std::vector<double>& group_force) {
   const ContactPair& p = pairs_[pair];
-  const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
+  const double deeper = led_[pair] == DisplacementDriven::squeezed ? squeeze_ : 0;
   const std::vector<char> resolved = near_resolved(pair);
   std::vector<std::size_t> candidates;
   for (std::size_t k = 0; k < p.groups.size(); ++k) {
@@ -424,13 +424,13 @@ void SmallZones::update(const std::vector<double>& gap_change, const std::vector
   double change = 0, sum = 0;
   if (decide) squeeze_ = std::max(squeeze_, deepest_squeeze(gap_change, group_force));
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-    if (led_[pair] == Led::no) continue;
+    if (led_[pair] == DisplacementDriven::no) continue;
     if (decide) decide_pair(pair, gap_change, group_force);
     std::vector<std::size_t> groups;
     for (std::size_t k = 0; k < pairs_[pair].groups.size(); ++k)
       if (has(first_[pair] + k)) groups.push_back(first_[pair] + k);
     if (groups.empty()) continue;
-    const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
+    const double deeper = led_[pair] == DisplacementDriven::squeezed ? squeeze_ : 0;
     if (decide)
       parallel_for("cgcontact::small_zones::sample_groups", groups.size(), 1, [&](std::size_t i) {
         sample(pair, groups[i], approach(pair, groups[i], gap_change, group_force) + deeper);

@@ -29,7 +29,7 @@ Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi) 
   corner_displacements(state, body, cell, u);
   const CutCells& cut_cells = state.bodies[body].cut_cells;
   return state.scales.length * (cut_cells.grid.rotation * interpolate(u, xi)) +
-         state.outer.rigid_parts[body].at(global_position(cut_cells, cell, xi));
+         state.outer.body_motions[body].at(global_position(cut_cells, cell, xi));
 }
 
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {

@@ -61,12 +61,12 @@ SurfaceWanderers::SurfaceWanderers(const std::vector<BodyModel>& bodies, const s
   }
 }
 
-double SurfaceWanderers::farthest(const std::vector<RigidPart>& parts) const {
+double SurfaceWanderers::farthest(const std::vector<BodyMotion>& parts) const {
   double most = 0;
   for (const Wanderer& wanderer : wanderers_) {
     Eigen::VectorXd motion(6 * parts.size());
     for (std::size_t b = 0; b < parts.size(); ++b) {
-      const RigidPiece& piece = wanderer.motions.bodies[b];
+      const RigidComponent& piece = wanderer.motions.bodies[b];
       motion.segment<3>(6 * b) = parts[b].translation + parts[b].rotation.cross(piece.centre() - parts[b].centre);
       motion.segment<3>(6 * b + 3) = piece.size() * parts[b].rotation;
     }

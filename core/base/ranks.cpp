@@ -115,15 +115,15 @@ MPI_Comm failures = MPI_COMM_NULL;
 constexpr double patience = 5;
 
 /// MPI counts in int: longer arrays go in chunks.
-constexpr std::size_t largest_count = INT_MAX / 2;
+constexpr std::size_t max_count = INT_MAX / 2;
 
 template <class T>
 void sum(T* values, std::size_t count, MPI_Datatype type) {
   if (ranks == 1) return;
   work_of_rank().reductions += 1;
   work_of_rank().reduced_bytes += static_cast<double>(count * sizeof(T));
-  for (std::size_t done = 0; done < count; done += largest_count)
-    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(largest_count, count - done)), type, MPI_SUM,
+  for (std::size_t done = 0; done < count; done += max_count)
+    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(max_count, count - done)), type, MPI_SUM,
                   MPI_COMM_WORLD);
 }
 
@@ -131,12 +131,12 @@ void sum(T* values, std::size_t count, MPI_Datatype type) {
 void gather_pieces(const char* own, const std::vector<std::size_t>& sizes, char* all, bool in_place) {
   std::size_t total = 0;
   for (const std::size_t size : sizes) total += size;
-  if (total > largest_count) {  // rank after rank
+  if (total > max_count) {  // rank after rank
     std::size_t begin = 0;
     for (int r = 0; r < ranks; ++r) {
       if (r == own_rank && !in_place) std::copy(own, own + sizes[r], all + begin);
-      for (std::size_t done = 0; done < sizes[r]; done += largest_count)
-        MPI_Bcast(all + begin + done, static_cast<int>(std::min(largest_count, sizes[r] - done)), MPI_BYTE, r,
+      for (std::size_t done = 0; done < sizes[r]; done += max_count)
+        MPI_Bcast(all + begin + done, static_cast<int>(std::min(max_count, sizes[r] - done)), MPI_BYTE, r,
                   MPI_COMM_WORLD);
       begin += sizes[r];
     }

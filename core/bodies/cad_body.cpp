@@ -200,8 +200,8 @@ void CadBody::boundary_points(const Index3& cell, const std::vector<char>& selec
                            dividers, order, owner, points);
 }
 
-CellEstimate CadBody::estimate_cells(const Grid& grid, double most_cells) const {
-  return estimate_triangle_cells(surface_->flat, grid, most_cells);
+CellEstimate CadBody::estimate_cells(const Grid& grid, double max_cells) const {
+  return estimate_triangle_cells(surface_->flat, grid, max_cells);
 }
 
 std::vector<int> CadBody::surfaces_near(const Vec3& centre, double half_size, double slack,

@@ -98,8 +98,8 @@ namespace {
 
 /// The largest cells, of halves of halves, that no more surfaces cross than can.
 std::string remedy(const CsgBody& body, const Grid& grid, const Vec3& corner) {
-  constexpr int most_parts = 16;
-  for (int parts = 2; parts <= most_parts; parts *= 2) {
+  constexpr int max_parts = 16;
+  for (int parts = 2; parts <= max_parts; parts *= 2) {
     bool fits = true;
     const Vec3 half = Vec3::Constant(0.5 / parts);
     for (int n = 0; n < parts * parts * parts && fits; ++n) {
@@ -374,8 +374,8 @@ void CsgBody::boundary_points(const Index3& cell, const std::vector<char>& selec
   cell_boundary_points(*this, local, cell, selected, dividers, order, owner, points);
 }
 
-CellEstimate CsgBody::estimate_cells(const Grid& grid, double most_cells) const {
-  return estimate_by_coarse_cells(*this, grid, most_cells);
+CellEstimate CsgBody::estimate_cells(const Grid& grid, double max_cells) const {
+  return estimate_by_coarse_cells(*this, grid, max_cells);
 }
 
 const CsgBody* as_csg(const Solid& solid) { return dynamic_cast<const CsgBody*>(&solid.geometry()); }

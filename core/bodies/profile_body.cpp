@@ -16,7 +16,7 @@ namespace {
 
 constexpr double same = 1e-12;          // lengths relative to the profile: rounding of what the scene computes
 constexpr double widest_part = pi / 3;  // of an arc: its triangle of tangents is flat
-constexpr int most_divisions = 6;       // of arcs that come near to something, in halves
+constexpr int max_divisions = 6;       // of arcs that come near to something, in halves
 constexpr int tangents_around = 128;    // of the polygon that bounds an arc: 3e-4 of its radius
 
 /// A line, or a part of an arc, from `a` to `b`.
@@ -114,14 +114,14 @@ class Outline {
  private:
   /// Divides arcs until nothing meets but at common ends.
   void separate() {
-    for (int division = 0; division <= most_divisions; ++division) {
+    for (int division = 0; division <= max_divisions; ++division) {
       std::vector<char> divide(parts_.size(), 0);
       const std::size_t n = parts_.size();
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j) {
           const bool neighbours = j == i + 1 || (i == 0 && j == n - 1);
           if (neighbours || !meet(parts_[i].hull(), parts_[j].hull())) continue;
-          if ((!parts_[i].circle && !parts_[j].circle) || division == most_divisions)
+          if ((!parts_[i].circle && !parts_[j].circle) || division == max_divisions)
             throw InputError(fmt::format("edges {} and {} cross, touch or come too near to each other",
                                          parts_[i].edge + 1, parts_[j].edge + 1));
           divide[i] = parts_[i].circle.has_value();

@@ -143,17 +143,17 @@ void TriangleBody::boundary_points(const Index3& cell, const std::vector<char>& 
                            order, owner, points);
 }
 
-CellEstimate TriangleBody::estimate_cells(const Grid& grid, double most_cells) const {
-  return estimate_triangle_cells(*triangles_, grid, most_cells);
+CellEstimate TriangleBody::estimate_cells(const Grid& grid, double max_cells) const {
+  return estimate_triangle_cells(*triangles_, grid, max_cells);
 }
 
-double TriangleBody::facet_width(const Vec3& x, double least_angle) const {
+double TriangleBody::facet_width(const Vec3& x, double min_angle) const {
   const int triangle = triangles_->nearest(x).triangle;
   double widest = 0;
   for (int k = 0; k < 3; ++k) {
     const int other = triangles_->neighbour(triangle, k);
     if (other < 0 || triangles_->patch(other) != triangles_->patch(triangle)) continue;
-    if (triangles_->normal(triangle).dot(triangles_->normal(other)) > std::cos(least_angle)) continue;
+    if (triangles_->normal(triangle).dot(triangles_->normal(other)) > std::cos(min_angle)) continue;
     int edge = 0;
     while (edge < 2 && triangles_->neighbour(other, edge) != triangle) ++edge;
     widest = std::max(widest, std::min(width(*triangles_, triangle, k), width(*triangles_, other, edge)));

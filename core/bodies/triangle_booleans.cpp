@@ -32,7 +32,7 @@ constexpr double on_plane = 1e-9;
 constexpr double one_point = 1e-11;
 
 constexpr double facet_length_in_cells = 0.5, facet_error_in_cells = 1e-3;
-constexpr int most_facets_around = 20000, most_divisions = 7;  // of an icosahedron: 327680 facets
+constexpr int max_facets_around = 20000, max_divisions = 7;  // of an icosahedron: 327680 facets
 
 /// A closed surface; every face carries a number: of its name, or far_away.
 struct Operand {
@@ -264,7 +264,7 @@ class Faceting {
   /// Facets around an axis between two radii, the first one possibly 0, with ends far away.
   Operand round_bar(const Vec3& begin, const Vec3& end, const Vec3& axis, double first, double second, int face) {
     const int around = static_cast<int>(
-        std::clamp(std::ceil(2 * pi * second / facet_length(second)), 32.0, double(most_facets_around)));
+        std::clamp(std::ceil(2 * pi * second / facet_length(second)), 32.0, double(max_facets_around)));
     error_ = std::max(error_, second * (1 - std::cos(pi / around)));
     const auto [t1, t2] = across(axis);
     Operand bar(2 * around + 2, 4 * around);
@@ -311,7 +311,7 @@ class Faceting {
           triangles.push_back((b - a).cross(c - a).dot(a) > 0 ? Triangle{i, j, k} : Triangle{i, k, j});
         }
     double length = edge * sphere.radius;
-    for (int division = 0; division < 2 || (length > facet_length(sphere.radius) && division < most_divisions);
+    for (int division = 0; division < 2 || (length > facet_length(sphere.radius) && division < max_divisions);
          ++division) {
       std::map<std::pair<int, int>, int> middles;
       const auto middle = [&](int i, int j) {

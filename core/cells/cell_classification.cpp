@@ -123,10 +123,10 @@ CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const Lea
 /// Cells of a coarse cell that a surface crosses have the two longest of its three extents; of a plate of one or two
 /// cells all are cut. Half of the cells of a coarse cell are in the body. Beside a cut cell half a layer of nodes comes
 /// on top of one node by cell.
-CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells) {
+CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double max_cells) {
   const double num_cells = static_cast<double>(grid.num_cells[0]) * grid.num_cells[1] * grid.num_cells[2];
   int factor = 1;
-  while (num_cells / std::pow(factor, 3) > most_cells) ++factor;
+  while (num_cells / std::pow(factor, 3) > max_cells) ++factor;
   Grid coarse = grid;
   coarse.cell_size *= factor;
   for (int& n : coarse.num_cells) n = (n + factor - 1) / factor;

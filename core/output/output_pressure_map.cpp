@@ -19,12 +19,12 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t most_maps = 12;
+constexpr std::size_t max_maps = 12;
 constexpr int long_side = 720;
 constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
 /// Distances along a curve, in the body's smallest cells and in fractions of the curve, within which rows of
 /// contact.csv are one point: beside each other on the face they have pressures of their own.
-constexpr double bin_in_cells = 0.5, most_bins = 400;
+constexpr double bin_in_cells = 0.5, max_bins = 400;
 /// Fraction of the largest pressure below which the face is grey. On curved faces the recovered pressure where nothing
 /// touches is zero to a few thousandths only.
 constexpr double no_pressure = 0.005;
@@ -175,7 +175,7 @@ class Pieces {
       if (!reaches(paper, {chart_.place(x[0], near_), chart_.place(x[1], near_), chart_.place(x[2], near_)})) continue;
       Corner corners[3];
       for (int v = 0; v < 3; ++v) corners[v] = corner(x[v]);
-      divide(corners[0], corners[1], corners[2], most_divisions);
+      divide(corners[0], corners[1], corners[2], max_divisions);
     }
   }
 
@@ -202,7 +202,7 @@ class Pieces {
   }
 
  private:
-  static constexpr int most_divisions = 3;
+  static constexpr int max_divisions = 3;
   struct Corner {
     Vec3 x;
     double value;
@@ -328,7 +328,7 @@ std::string curve_data(const Results& results, const Face& face, const FaceChart
                        std::vector<double>& borders) {
   std::string data;
   for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
-    const double width = std::max(bin_in_cells * smallest_cell(results, b), paper.extent(axis) / most_bins);
+    const double width = std::max(bin_in_cells * smallest_cell(results, b), paper.extent(axis) / max_bins);
     std::map<long long, Bin> bins;
     for (const ContactRow& row : results.contact_rows) {
       if (row.body != b || row.pair != static_cast<int>(face.pair)) continue;
@@ -400,7 +400,7 @@ std::vector<std::size_t> pairs_to_draw(const Results& results) {
     return std::isfinite(f) ? f : 0;
   };
   std::stable_sort(pairs.begin(), pairs.end(), [&](std::size_t a, std::size_t b) { return force(a) > force(b); });
-  pairs.resize(std::min(pairs.size(), most_maps));
+  pairs.resize(std::min(pairs.size(), max_maps));
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* picture = "check_repair.png";
 constexpr Rgb as_before{0.82, 0.83, 0.85}, new_triangle{0.90, 0.36, 0.28};
-constexpr std::size_t most_surfaces = 12;
+constexpr std::size_t max_surfaces = 12;
 
 RenderedImage draw(const RepairedSurface& surface, const Panel& view) {
   const auto triangle = [&](std::size_t t) {
@@ -34,7 +34,7 @@ std::string draw_repairs(const Scene& scene, GnuplotRuns& runs) {
   for (const BodySpec& body : scene.bodies)
     for (const auto& repair : body.repairs) surfaces.emplace_back(body.name, repair.get());
   if (surfaces.empty()) return "";
-  const std::size_t shown = std::min(surfaces.size(), most_surfaces);
+  const std::size_t shown = std::min(surfaces.size(), max_surfaces);
   constexpr int row = panel + heading + gap, legend = 620;
   const int width = 3 * gap + 2 * panel + legend, height = row * static_cast<int>(shown) + gap;
   Sheet sheet;

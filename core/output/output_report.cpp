@@ -114,8 +114,8 @@ Json json_of(const PairFigures& pair) {
   json["force_given_by_loads"] = pair.force_given_by_loads;
   json["pressure_from"] = pair.pressure_on_face ? "face" : "stress";
   json["zones_of_stress"] = pair.zones_of_stress;
-  json["least_gap"] = pair.least_gap ? Json(*pair.least_gap) : Json();
-  json["least_gap_error"] = pair.least_gap_error ? Json(*pair.least_gap_error) : Json();
+  json["least_gap"] = pair.min_gap ? Json(*pair.min_gap) : Json();
+  json["least_gap_error"] = pair.min_gap_error ? Json(*pair.min_gap_error) : Json();
   add_zone(pair, json);
   if (pair.friction) json["friction"] = json_of(*pair.friction);
   return json;

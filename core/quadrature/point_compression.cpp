@@ -264,7 +264,7 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
 /// The least change in the sense of sum (change^2 / weight): weights times a combination of the functions, by
 /// Cholesky's factors of their products.
 bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights) {
-  constexpr double least_pivot = 1e-8;  // of a function's square: what is left of it beside the others is rounding
+  constexpr double min_pivot = 1e-8;  // of a function's square: what is left of it beside the others is rounding
   constexpr double good_enough = 1e-6;  // of the largest integral: functions that nearly depend on others
   const int m = functions.num_functions, n = static_cast<int>(weights.size()), all = functions.num_points;
   Vector wanted(m, 0.0), factor(static_cast<std::size_t>(m) * m, 0.0), trial = weights;
@@ -293,7 +293,7 @@ bool take_integrals(const FunctionTable& functions, const std::vector<double>& o
       own[g] /= before[g];
       own[f] -= own[g] * own[g];
     }
-    independent[f] = own[f] > least_pivot * square;
+    independent[f] = own[f] > min_pivot * square;
     own[f] = independent[f] ? std::sqrt(own[f]) : 1;
   }
   double error = 0;

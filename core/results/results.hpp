@@ -165,9 +165,9 @@ struct PairFigures {
   bool force_given_by_loads = false;                  ///< by equilibrium alone
   /// Smallest gap left between faces that nothing presses, and its estimated error, m; none: contact, or nothing
   /// opposite.
-  std::optional<double> least_gap, least_gap_error;
-  Vec3 least_gap_at = Vec3::Zero();         ///< m
-  double least_gap_cell = 0;                ///< m, size of the larger cell there
+  std::optional<double> min_gap, min_gap_error;
+  Vec3 min_gap_at = Vec3::Zero();         ///< m
+  double min_gap_cell = 0;                ///< m, size of the larger cell there
   ZoneFigures zone;                         ///< of the last step
   std::optional<FrictionFigures> friction;  ///< none: the scene has no friction there
 };

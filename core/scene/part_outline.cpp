@@ -12,8 +12,8 @@ namespace cgcontact {
 
 namespace {
 
-const double least_flat_cosine = std::cos(radians_per_degree);  // a degree
-const double least_outward_cosine = std::cos(pi / 6);
+const double min_flat_cosine = std::cos(radians_per_degree);  // a degree
+const double min_outward_cosine = std::cos(pi / 6);
 constexpr double plane_slack = 1e-6;  // of the height: single precision in the file
 constexpr double end_share = 0.02, face_share = 0.1;
 
@@ -57,8 +57,8 @@ PartEnd find_end(const TriangleSurface& surface, double sign, double extreme, do
     const auto upper = clip(surface, t, sign, extreme - end_share * height);
     if (!upper.empty() && cosine > 0) cap.add(upper);
     const auto touching = clip(surface, t, sign, extreme - plane_slack * height);
-    if (!touching.empty() && cosine > least_flat_cosine) plane.add(touching);
-    if (cosine > least_outward_cosine) outward += area(clip(surface, t, sign, extreme - face_share * height));
+    if (!touching.empty() && cosine > min_flat_cosine) plane.add(touching);
+    if (cosine > min_outward_cosine) outward += area(clip(surface, t, sign, extreme - face_share * height));
   }
   PartEnd end;
   end.flat = plane.area > cap.area / 2;
@@ -95,7 +95,7 @@ std::vector<SmoothPart> find_parts(const TriangleSurface& surface) {
   }
   for (int t = 0; t < count; ++t) {
     SmoothPart& part = parts[surface.patch(t)];
-    part.flat = part.flat && surface.normal(t).dot(part.normal) >= least_flat_cosine;
+    part.flat = part.flat && surface.normal(t).dot(part.normal) >= min_flat_cosine;
   }
   std::stable_sort(parts.begin(), parts.end(),
                    [](const SmoothPart& a, const SmoothPart& b) { return a.area > b.area; });

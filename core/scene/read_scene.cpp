@@ -25,8 +25,8 @@ namespace cgcontact {
 namespace {
 
 /// A scene is text that somebody writes; toml++ calls itself for every part of a key and every level of a value.
-constexpr std::uintmax_t largest_file = 16 << 20;
-constexpr int most_key_parts = 20;
+constexpr std::uintmax_t max_file_bytes = 16 << 20;
+constexpr int max_key_parts = 20;
 
 /// Throws for a geometry file that a scene can name, with what makes a scene of it.
 void expect_no_part(const std::string& file) {
@@ -49,10 +49,10 @@ std::string read_file(const std::string& file) {
                      error ? "the scene file cannot be read: " + error.message() : "there is no such scene file");
   if (!std::filesystem::is_regular_file(file, error))
     throw InputError(place, "", "is not a file but a folder or device");
-  if (std::filesystem::file_size(file, error) > largest_file)
+  if (std::filesystem::file_size(file, error) > max_file_bytes)
     throw InputError(place, "", "is too large for a scene", "16 MB");
   std::ifstream stream(file, std::ios::binary);
-  std::string text(largest_file + 1, '\0');
+  std::string text(max_file_bytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad())
     throw InputError(place, "", std::string("the scene file cannot be read: ") + std::strerror(errno));
@@ -90,10 +90,10 @@ void check_text(std::string_view text, const std::string& file) {
     }
     const bool in_key = std::isalnum(static_cast<unsigned char>(text[k])) || std::strchr("_- \t.", text[k]);
     if (!in_key || text[k] == '\0') parts = 1;
-    if (text[k] != '.' || ++parts <= most_key_parts) continue;
+    if (text[k] != '.' || ++parts <= max_key_parts) continue;
     const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(k), '\n'));
     throw InputError(SourcePlace{file, line + 1, ""}, "", "a key of too many parts",
-                     "at most " + std::to_string(most_key_parts) + " parts with dots between them");
+                     "at most " + std::to_string(max_key_parts) + " parts with dots between them");
   }
 }
 

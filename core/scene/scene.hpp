@@ -100,7 +100,7 @@ struct BodySpec {
   double cell_size = 0;  ///< m; of the largest cells. 0: chosen from the shape, with [accuracy] only
   std::vector<RefineSpec> refine;
   std::vector<std::shared_ptr<const SizeField>> sizes;          ///< as `refine`, from an earlier solution ([accuracy])
-  double most_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
+  double max_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
   std::optional<Coordinate> plane_strain;                       ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
   /// Largest radius in a scene of bodies of revolution (plane_strain is the axis across their half-plane), m; or 0

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double mm = 1e-3;
 constexpr double first_cells = 20;  // along the longest side, of a body without cell_size
-constexpr double most_cells_across =
+constexpr double max_cells_across =
     2000;  // smaller cells, relative to the body, are a mistake that is reported elsewhere
 constexpr double radius_tolerance = 1e-4;
 constexpr int colour_tolerance = 2;  // of 255: what rounding in the file makes of it
@@ -247,7 +247,7 @@ bool is_scene_name(const std::string& name) {
 
 double cell_size_for_cad(const TomlCursor& body, double longest) {
   if (!body.find("cell_size")) return longest / first_cells;
-  return std::clamp(read_cell_size(body), longest / most_cells_across, longest);
+  return std::clamp(read_cell_size(body), longest / max_cells_across, longest);
 }
 
 CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const TomlCursor& body) {

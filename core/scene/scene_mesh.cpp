@@ -17,10 +17,10 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t most_patches = 20000;
+constexpr std::size_t max_patches = 20000;
 
 /// m; a surface outside of this range was probably read in a wrong unit.
-constexpr double largest_usual = 100, smallest_usual = 1e-5;
+constexpr double max_usual = 100, min_usual = 1e-5;
 
 Range angle_range() {
   Range angle = Range::positive("degrees");
@@ -175,7 +175,7 @@ std::string describe_surface(const std::string& file, const BodySurface& surface
 
 std::string doubtful_unit(const Vec3& extent) {
   const double longest = extent.maxCoeff();
-  if (longest <= largest_usual && longest >= smallest_usual) return "";
+  if (longest <= max_usual && longest >= min_usual) return "";
   return fmt::format("the surface is {:.3g} m long: is its unit right?", longest);
 }
 
@@ -193,10 +193,10 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   const TriangleSoup& soup = read.soup;
   const NamedTriangles faces = name_faces(soup, name, read_selectors(node, soup));
   TriangleSurface surface = make_surface(soup, faces, crease_angle);
-  if (surface.face_names().size() > most_patches)
+  if (surface.face_names().size() > max_patches)
     file_node.fail(
         fmt::format("creases divide the surface into {} patches: is it a rough scan?", surface.face_names().size()),
-        fmt::format("{} patches; a larger angle for the key crease makes fewer", most_patches));
+        fmt::format("{} patches; a larger angle for the key crease makes fewer", max_patches));
   MeshShape shape;
   shape.solid = Solid::bounded_by(std::move(surface));
   for (const std::string& face : faces.names) shape.faces.push_back(face.substr(name.size() + 1));

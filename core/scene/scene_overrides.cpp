@@ -14,7 +14,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t most_steps = 20;
+constexpr std::size_t max_steps = 20;
 
 /// One --set option.
 struct Override {
@@ -62,7 +62,7 @@ Override parse_override(const std::string& text) {
     if (result.steps.back().empty()) result.fail("", "the key has an empty part", "dotted.key=value");
     begin = end + 1;
   }
-  if (result.steps.size() > most_steps) result.fail("", "the key has too many parts", "keys of a scene");
+  if (result.steps.size() > max_steps) result.fail("", "the key has too many parts", "keys of a scene");
   return result;
 }
 

@@ -15,9 +15,9 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double most_cells = 2e9;      // of the box around a body: beyond, the unit is wrong
+constexpr double max_cells = 2e9;      // of the box around a body: beyond, the unit is wrong
 constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
-constexpr std::size_t most_parameters = 1000;
+constexpr std::size_t max_parameters = 1000;
 constexpr double same_axis = 1e-12;  // rounding of a rotation
 constexpr double end_cone = 45;      // degrees; the normals of a body in plane strain lie along the axis or across it
 
@@ -62,8 +62,8 @@ double read_cell_size(const TomlCursor& body, const Shape& shape) {
     node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
                           extent.maxCoeff()));
   const std::string lengths = fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent[0], extent[1], extent[2]);
-  if ((extent / size + Vec3::Ones()).prod() > most_cells) {
-    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(most_cells);
+  if ((extent / size + Vec3::Ones()).prod() > max_cells) {
+    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(max_cells);
     node.fail("makes more than 2e9 cells of a body of " + lengths, fmt::format("about {:.2g} m or more", least));
   }
   if (size > extent.maxCoeff())
@@ -171,8 +171,8 @@ std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::str
 
 Constants read_parameters(const TomlCursor& table, const Constants& in_file) {
   if (!table.is_table()) table.expect_keys({"name = number"});
-  if (table.entries().size() > most_parameters)
-    table.fail("has too many parameters", fmt::format("at most {}", most_parameters));
+  if (table.entries().size() > max_parameters)
+    table.fail("has too many parameters", fmt::format("at most {}", max_parameters));
   Constants known = table.text().parameters;
   std::set<std::string> in_progress;
   for (const auto& entry : table.entries()) read_parameter(table, entry.first, in_file, known, in_progress);
@@ -220,7 +220,7 @@ FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) cons
 namespace {
 
 /// Halvings of the cell size, at most.
-constexpr int most_halvings = 20;
+constexpr int max_halvings = 20;
 
 void read_refined_box(const TomlCursor& node, RefineSpec& refine) {
   node.expect_keys({"min", "max"});
@@ -303,9 +303,9 @@ RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body
   const TomlCursor size = node.at("size", "> 0 m");
   refine.size = size.number(Range::positive("m"));
   if (body.cell_size == 0) node.fail("stands without cell_size", "cell_size, the size of the largest cells, beside it");
-  if (refine.size < std::ldexp(body.cell_size, -most_halvings))
-    size.fail(fmt::format("is less than cell_size halved {} times", most_halvings),
-              fmt::format(">= {:.3g} m", std::ldexp(body.cell_size, -most_halvings)));
+  if (refine.size < std::ldexp(body.cell_size, -max_halvings))
+    size.fail(fmt::format("is less than cell_size halved {} times", max_halvings),
+              fmt::format(">= {:.3g} m", std::ldexp(body.cell_size, -max_halvings)));
   if (const auto distance = node.find("distance")) refine.distance = distance->number(Range::not_negative("m"));
   if (const auto grading = node.find("grading")) {
     refine.grading = grading->number(Range::from_to(0.05, 1, "0.05 to 1"));
@@ -708,7 +708,7 @@ void read_bonded(const TomlCursor& node, ContactSpec& contact) {
 }
 
 /// Rubber on a rough floor has 1, clean metals in vacuum up to 2.
-constexpr double largest_friction = 2;
+constexpr double max_friction = 2;
 
 }  // namespace
 
@@ -835,7 +835,7 @@ void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& se
     check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
     read_bonded(node, contact);
     if (const auto value = node.find("friction"))
-      contact.friction = value->number(Range::from_to(0, largest_friction, "0 to 2"));
+      contact.friction = value->number(Range::from_to(0, max_friction, "0 to 2"));
     if (const auto value = node.find("interference")) {
       contact.interference = value->number(Range::any("m"));
       if (unread_[contact.first.body].shape || unread_[contact.second.body].shape) throw FollowingMistake();

@@ -56,9 +56,9 @@ struct RecoveryOptions {
   /// Cells across both bodies from which on patches with closed contact are of degree 2 (docs/recovery.md, "Degree").
   int thick = 4;
   /// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
-  double least_auxiliary_volume = 0.25;
+  double min_auxiliary_volume = 0.25;
   /// Largest ratio of the weights of both bodies' misfits in a coupled patch.
-  double most_weight = 1e4;
+  double max_weight = 1e4;
   /// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
   double conflict = 0.01;
   /// Patches whose contact face begins closer to the edge of a zone than that carry the edge's term, cells of the body.

@@ -26,8 +26,8 @@ using Division = CGAL::Constrained_Delaunay_triangulation_2<Exact, CGAL::Default
 
 /// From an integer: a winding number farther off is that of a point that rounding has put on the surface.
 constexpr double clear_winding = 0.1;
-constexpr std::size_t most_samples = 5;                  // of a patch
-constexpr int most_passes = 20;                          // in search of needles
+constexpr std::size_t max_samples = 5;                  // of a patch
+constexpr int max_passes = 20;                          // in search of needles
 constexpr int num_kinds = WindingNumbers::num_surfaces;  // solids, cavities
 
 /// A triangle and how often each kind of surface passes it: in its own sense minus the other one, the first not less
@@ -249,7 +249,7 @@ std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<
   std::vector<int> side(facets.size(), 0);
   parallel_for("cgcontact::triangle_arrangement::sides", members.size(), 1, [&](std::size_t p) {
     std::vector<int>& list = members[p];
-    const std::size_t samples = std::min(most_samples, list.size());
+    const std::size_t samples = std::min(max_samples, list.size());
     std::partial_sort(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(samples), list.end(),
                       [&](int a, int b) { return std::make_pair(-area[a], a) < std::make_pair(-area[b], b); });
     int answer = 0;
@@ -424,7 +424,7 @@ TriangleSoup outer_boundary(const TriangleSoup& solids, const TriangleSoup& cavi
 }
 
 void part_where_touching(TriangleSoup& soup) {
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     cancel(soup);
     part(soup);
     if (remove_needles(soup) == 0) break;

@@ -24,9 +24,9 @@ constexpr double no_height = 1e-12;
 /// Fraction of the diagonal: points of one shell nearer than this to another one are on it.
 constexpr double near_shell = 1e-9;
 /// Triangles of a shell that are asked whether they are inside another one.
-constexpr std::size_t most_samples = 1000;
+constexpr std::size_t max_samples = 1000;
 /// Over the surface in search of such triangles; those next to each other need several.
-constexpr int most_passes = 20;
+constexpr int max_passes = 20;
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem, const std::string& allowed) {
   throw InputError(SourcePlace{file, 0, ""}, "", problem, allowed);
@@ -185,7 +185,7 @@ void turn(TriangleSoup& soup) {
 bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const TriangleSoup& soup, int place,
                int other_place, const std::string& file) {
   const double distance = near_shell * soup.diagonal();
-  const std::size_t count = shell.triangles().size(), stride = 1 + count / most_samples;
+  const std::size_t count = shell.triangles().size(), stride = 1 + count / max_samples;
   int inside = 0, outside = 0, on_it = 0;
   for (std::size_t t = 0; t < count; t += stride) {
     const int triangle = static_cast<int>(t);
@@ -271,7 +271,7 @@ void check_finite(const TriangleSoup& soup, const std::string& file) {
 
 /// Everything but the merging of points.
 void check_merged(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs) {
-  for (int gone = 1, pass = 0; gone > 0 && pass < most_passes; repairs.zero_area += gone, ++pass)
+  for (int gone = 1, pass = 0; gone > 0 && pass < max_passes; repairs.zero_area += gone, ++pass)
     gone = remove_needles(soup);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     if (edge_of_needle(soup, soup.triangles[t]) >= 0)

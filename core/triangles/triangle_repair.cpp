@@ -35,7 +35,7 @@ using Mesh = CGAL::Surface_mesh<Point>;
 /// Fractions of the diagonal: distance of points on open edges that are made one; of corners of the result that
 /// rounding has separated; volume over area below which a shell has no thickness.
 constexpr double merge_distance = 1e-4, one_point = 1e-11, no_thickness = 1e-6;
-constexpr int most_passes = 5;
+constexpr int max_passes = 5;
 constexpr double half_a_pass = 0.5;  // of the shortest edge at a rim: merging closes gaps, not triangles
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem) {
@@ -252,7 +252,7 @@ TriangleSoup unite(const std::vector<const Shell*>& solids, const std::vector<co
   turn_over(hollows);
   int shells = 0;
   double distance = one_point * size;
-  for (int pass = 0; pass < most_passes; ++pass, distance *= 10) {
+  for (int pass = 0; pass < max_passes; ++pass, distance *= 10) {
     body = outer_boundary(outer, hollows, distance);
     shells = drop_flat_shells(size, body);
     if (body.triangles.empty()) break;

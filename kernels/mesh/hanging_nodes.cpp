@@ -20,13 +20,13 @@ bool is_corner(const BodyMesh& part, const Index3& place) {
 int cell_around(const BodyMesh& part, const Index3& twice) {
   for (int a = 0; a < 8; ++a) {
     Index3 cell;
-    bool twin = false;  // inside of a layer of cells there is one cell, not two
+    bool across_node = false;  // inside of a layer of cells there is one cell, not two
     for (int d = 0; d < 3; ++d) {
       const int lower = a >> d & 1;
-      twin = twin || (lower && (twice[d] & 1));
+      across_node = across_node || (lower && (twice[d] & 1));
       cell[d] = (twice[d] >> 1) - lower;
     }
-    if (twin) continue;
+    if (across_node) continue;
     if (const int found = part.cut_cells->find(cell); found >= 0) return found;
   }
   return -1;

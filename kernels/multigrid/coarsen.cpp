@@ -35,7 +35,7 @@ std::array<double, 3> unsigned_direction(const Vec3& d) {
 constexpr double firm = 0.03;
 
 /// Points of one cell and direction; more are merged.
-constexpr int most_points = 27;
+constexpr int max_points = 27;
 
 /// Contact rows per chunk of the parallel loop.
 constexpr std::size_t rows_per_chunk = 32;
@@ -70,9 +70,9 @@ const Moments& moments_of(const CutCells& cells, int active) {
 /// Children of a cell, -1 where there is none. Those of a quadtree also stand for the ones beside them across.
 std::array<int, 8> children_of(const CutCells& fine, const Index3& c) {
   std::array<int, 8> children;
-  const int twins = fine.grid.is_quadtree() ? 1 << fine.grid.plane_strain : 0;
+  const int across = fine.grid.is_quadtree() ? 1 << fine.grid.plane_strain : 0;
   for (int a = 0; a < 8; ++a) {
-    const int at = a & ~twins;
+    const int at = a & ~across;
     children[a] = fine.find({2 * c[0] + (at & 1), 2 * c[1] + (at >> 1 & 1), 2 * c[2] + (at >> 2)});
   }
   return children;
@@ -209,13 +209,13 @@ std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std
   std::vector<SupportTerm> merged, same;
   std::vector<char> taken(moved.size(), 0);
   for (std::size_t e = 0; e + 1 < begin.size(); ++e) {
-    if (begin[e + 1] - begin[e] <= most_points) continue;
+    if (begin[e + 1] - begin[e] <= max_points) continue;
     const auto first = order.begin() + begin[e], last = order.begin() + begin[e + 1];
     const auto axis = [&](int t) { return unsigned_direction(moved[t].direction); };
     std::stable_sort(first, last, [&](int a, int b) { return axis(a) < axis(b); });
     for (auto from = first, to = first; from != last; from = to) {
       while (to != last && axis(*to) == axis(*from)) ++to;
-      if (to - from <= most_points) continue;
+      if (to - from <= max_points) continue;
       same.clear();
       for (auto t = from; t != to; ++t) {
         taken[*t] = 1;

@@ -137,7 +137,7 @@ bool counts_as_full(const CutCells& cut_cells, int active) {
 }
 
 SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
-  constexpr int most_slabs = 32;
+  constexpr int max_slabs = 32;
   SlabPartition result;
   for (const BodyMesh* mesh : parts) {
     const CutCells& cc = *mesh->cut_cells;
@@ -152,7 +152,7 @@ SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
       if (high[d] - low[d] >= high[body.axis] - low[body.axis]) body.axis = d;
     // Chunks of about equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more, one
     // towards larger cells in both directions.
-    const int least_layers = mesh->level_faces.empty() ? 2 : 3;
+    const int min_layers = mesh->level_faces.empty() ? 2 : 3;
     std::vector<double> weight(cc.grid.num_cells[body.axis], 0.0);
     double total = 0;
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
@@ -163,9 +163,9 @@ SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
     body.slab_of_layer.assign(weight.size(), 0);
     int slab = static_cast<int>(result.colour_of_slab.size());
     int layers = 0, colour = 0;
-    double sum = 0, share = total / most_slabs;
+    double sum = 0, share = total / max_slabs;
     for (int layer = low[body.axis]; layer < high[body.axis]; ++layer) {
-      if (layers >= least_layers && sum >= share && high[body.axis] - layer >= least_layers) {
+      if (layers >= min_layers && sum >= share && high[body.axis] - layer >= min_layers) {
         result.colour_of_slab.push_back(colour);
         ++slab;
         colour = 1 - colour;

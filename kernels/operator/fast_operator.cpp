@@ -325,13 +325,13 @@ void FastOperator<Real>::gather_constrained_blocks(const ExecSpace& exec, const 
           for (int p = 0; p < 6; ++p) blocks(others(n), p) = p < 3 ? Real(1) : Real(0);
         });
   }
-  const TwinsView twins = dofs_.twins();
+  const AcrossNodesView across_nodes = dofs_.across_nodes();
   Kokkos::parallel_for(
-      "cgcontact::fast_operator::twin_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, twins.extent(0)),
+      "cgcontact::fast_operator::across_node_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, across_nodes.extent(0)),
       KOKKOS_LAMBDA(const int t) {
         for (int p = 0; p < 6; ++p) {
-          blocks(twins(t, 0), p) += blocks(twins(t, 1), p);
-          blocks(twins(t, 1), p) = p < 3 ? Real(1) : Real(0);
+          blocks(across_nodes(t, 0), p) += blocks(across_nodes(t, 1), p);
+          blocks(across_nodes(t, 1), p) = p < 3 ? Real(1) : Real(0);
         }
       });
   const ConstraintRows rows = dofs_.sums();

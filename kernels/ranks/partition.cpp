@@ -14,7 +14,7 @@ namespace {
 constexpr double weight_of_cut_cell = 10;
 
 /// Divisions that are tried, and largest over mean of the work with which one is good enough.
-constexpr int most_attempts = 6;
+constexpr int max_attempts = 6;
 constexpr double balanced = 1.03;
 
 constexpr int block = 4;  // cells
@@ -154,7 +154,7 @@ Owners partition(const ElasticSystem& system, int num_ranks, const std::vector<s
   std::vector<double> share(num_ranks, 1.0 / num_ranks);
   Owners best;
   double least = std::numeric_limits<double>::infinity();
-  for (int attempt = 0; attempt < most_attempts; ++attempt) {
+  for (int attempt = 0; attempt < max_attempts; ++attempt) {
     Owners owners = owners_of_cells(system, blocks, divide(curve, blocks, share));
     own_nodes(system, together, owners);
     const std::vector<double> work = work_of_ranks(system, owners, num_ranks);

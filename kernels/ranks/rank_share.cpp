@@ -233,7 +233,7 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   owners_.of_cell = std::vector<std::vector<int>>();
 }
 
-void RankShare::tell_work() const {
+void RankShare::record_counts() const {
   const Halo& halo = *system_.dofs.halo();
   RankWork& work = work_of_rank();
   work.unknowns = dofs_per_node * static_cast<double>(halo.num_owned());

@@ -27,7 +27,7 @@ constexpr double same_place = 1e-6;
 
 /// Pieces of a patch that stay as they are, whatever their number; with more, those below a share of the patch's area
 /// are joined where their normals are near to each other.
-constexpr std::size_t most_pieces = 12;
+constexpr std::size_t max_pieces = 12;
 constexpr double own_share = 1.0 / 8;
 /// Cosine of 60 degrees: at most 12 directions are that far apart.
 constexpr double joined_cosine = 0.5;
@@ -174,7 +174,7 @@ void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surfa
 /// A rough surface (a scan, a knurl) has more small faces in a patch than the patch has unknowns: they act like their
 /// mean planes, over which the force is that of all of them.
 void BoundaryPieces::join_small(std::vector<Piece>& wholes) {
-  if (wholes.size() <= most_pieces) return;
+  if (wholes.size() <= max_pieces) return;
   double area = 0;
   for (const Piece& piece : wholes) area += piece.area;
   std::stable_sort(wholes.begin(), wholes.end(), [](const Piece& a, const Piece& b) { return a.area > b.area; });

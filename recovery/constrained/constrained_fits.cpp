@@ -242,7 +242,7 @@ void PatchClass<degree, bodies>::constrain(const PatchRows& rows) {
   subtract_edge_terms();
   add_rows(rows);
   if constexpr (bodies == 2)
-    if (context_.options.inverse_variance) weigh_auxiliary(context_.exec, context_.options.most_weight, arrays());
+    if (context_.options.inverse_variance) weigh_auxiliary(context_.exec, context_.options.max_weight, arrays());
   const double tolerance = context_.options.rank_tolerance_of(degree, context_.grid.is_axisymmetric());
   solve(0, num_unbonded_, tolerance);
   solve(num_unbonded_, patches_.size() - num_unbonded_, bonded_tolerance * tolerance);

@@ -20,14 +20,14 @@ constexpr double pass_variance = 1. / 3;
 /// Number of passes (cells of an eighth of the other body's) up to which they are made one by one: their cost grows
 /// with the fourth power of that ratio. More are taken together, in steps whose forces are as good as those of a
 /// Gaussian.
-constexpr double most_passes = 192;
+constexpr double max_passes = 192;
 constexpr int implicit_steps = 4;
 /// Cells within which forces of patches that carry no pressure go to others.
 constexpr int steps_aside = 2;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
 /// Least sum of a pair's forces relative to their magnitudes for it to have a direction.
-constexpr double least_resultant = 0.5;
+constexpr double min_resultant = 0.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
 constexpr double normal_tolerance = 0.1;
 
@@ -73,7 +73,7 @@ Vec3 resultant_of_pair(const RecoveryBody& body, int pair) {
     sum += link.weight * link.pressure * link.normal;
     magnitudes += link.weight * std::abs(link.pressure);
   }
-  return sum.norm() > least_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
+  return sum.norm() > min_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
 }
 
 /// Returns the fraction of the area of a boundary point that counts. Forces act along the normal of the body with the
@@ -200,7 +200,7 @@ class PairFace {
     std::vector<double> sum(nodes.size(), 0.0), next;
     each_product(marked, [&](int, int n, double mass) { sum[n] += mass; });
     const double most = passes.empty() ? 0 : *std::max_element(passes.begin(), passes.end());
-    if (most > most_passes) return smooth_implicitly(marked, passes, sum, force);
+    if (most > max_passes) return smooth_implicitly(marked, passes, sum, force);
     for (int pass = 0; pass < most; ++pass) {
       next.assign(nodes.size(), 0.0);
       each_product(marked, [&](int m, int n, double mass) {
@@ -287,7 +287,7 @@ class PairFace {
   /// A walk that is as long as the square of the number of cells has been everywhere.
   void smooth_implicitly(const std::vector<char>& marked, const std::vector<double>& passes,
                          const std::vector<double>& sum, std::vector<double>& force) const {
-    const double enough = std::max(most_passes, std::pow(static_cast<double>(cells_.size()), 2));
+    const double enough = std::max(max_passes, std::pow(static_cast<double>(cells_.size()), 2));
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd own = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodes.size()));
     Eigen::VectorXd values = own;

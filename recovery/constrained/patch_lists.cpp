@@ -164,7 +164,7 @@ void find_auxiliary(const PatchContext& context, const PairState& state, PatchPo
     volume += cc.volume_fraction(c);
     largest = std::max(largest, cc.size(c));
   }
-  if (volume < context.options.least_auxiliary_volume) cells.clear();
+  if (volume < context.options.min_auxiliary_volume) cells.clear();
   lists.auxiliary_unit.back() = largest;
 }
 

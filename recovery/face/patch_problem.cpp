@@ -7,7 +7,7 @@ namespace cgcontact {
 namespace {
 
 /// Patches along an axis that has enough of them to merge; boxes have a multiple of some.
-constexpr int least_to_merge = 16, multiple = 8;
+constexpr int min_to_merge = 16, multiple = 8;
 
 template <class View, class T>
 void to_device(const FaceGrid& grid, const std::vector<T>& values, const View& view) {
@@ -43,7 +43,7 @@ PatchBox box_of(const FaceGrid& grid, const std::vector<char>& may_press) {
   }
   PatchBox box;
   for (int a = 0; a < 2; ++a) {
-    const bool whole = last[a] < 0 || grid.end[a] == FaceEnd::period || grid.size[a] < least_to_merge;
+    const bool whole = last[a] < 0 || grid.end[a] == FaceEnd::period || grid.size[a] < min_to_merge;
     box.first[a] = whole || grid.end[a] == FaceEnd::mirror ? 0 : first[a] / multiple * multiple;
     box.size[a] = whole ? grid.size[a] : std::min((last[a] / multiple + 1) * multiple, grid.size[a]) - box.first[a];
   }
@@ -74,7 +74,7 @@ CoarsePatches coarse_patches(const FaceGrid& grid) {
   CoarsePatches coarse;
   coarse.grid = grid;
   for (int a = 0; a < 2; ++a) {
-    if (grid.size[a] % 2 == 0 && grid.size[a] >= least_to_merge) coarse.merged[a] = 2;
+    if (grid.size[a] % 2 == 0 && grid.size[a] >= min_to_merge) coarse.merged[a] = 2;
     coarse.grid.size[a] /= coarse.merged[a];
     coarse.grid.spacing[a] *= coarse.merged[a];
   }

@@ -93,13 +93,13 @@ class CornerCells {
 
 /// Joins a patch of too little volume with the patch of the fullest neighbouring node; with one cell of
 /// material the condition of the patch's mass matrix stays below 370 (degree 1). True if anything was added.
-bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec3& middle, int n, double least_volume,
+bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec3& middle, int n, double min_volume,
                 double have, std::vector<int>& patch) {
   const CutCells& cc = *mesh.cut_cells;
   const double unit = unit_of(mesh, n);
   const Vec3 own = mesh.node_position(n);
   bool grown = false;
-  for (int step = 0; step < 3 && have < least_volume; ++step) {
+  for (int step = 0; step < 3 && have < min_volume; ++step) {
     double best = -1;
     int anchor = -1;
     for (int c : patch)
@@ -154,7 +154,7 @@ struct PatchRange {
   std::vector<int> size, cells;
 };
 
-PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cells, double least_volume,
+PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cells, double min_volume,
                             const Subset& nodes, std::size_t begin, std::size_t end, PatchSet& set) {
   const CutCells& cc = *mesh.cut_cells;
   const Vec3 middle = middle_of(cc.solid);
@@ -175,8 +175,8 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cell
       full = full && cc.cut_of_active[c] < 0 && cc.level(c) == cc.level(patch.front());
     }
     set.full[n] = full;
-    if (volume < least_volume)
-      set.grown[n] = grow_patch(mesh, corner_cells, middle, static_cast<int>(n), least_volume, volume, patch);
+    if (volume < min_volume)
+      set.grown[n] = grow_patch(mesh, corner_cells, middle, static_cast<int>(n), min_volume, volume, patch);
     range.size.push_back(static_cast<int>(patch.size()));
     range.cells.insert(range.cells.end(), patch.begin(), patch.end());
   }
@@ -193,11 +193,11 @@ void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked) {
   }
 }
 
-PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
-  return make_patches(mesh, least_volume, Subset(mesh.num_nodes));
+PatchSet make_patches(const BodyMesh& mesh, double min_volume) {
+  return make_patches(mesh, min_volume, Subset(mesh.num_nodes));
 }
 
-PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& nodes) {
+PatchSet make_patches(const BodyMesh& mesh, double min_volume, const Subset& nodes) {
   const CutCells& cc = *mesh.cut_cells;
   PatchSet set;
   set.grown.assign(mesh.num_nodes, 0);
@@ -206,7 +206,7 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& n
   std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain_of_light));
   parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain_of_light,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, least_volume, nodes, begin, end, set);
+                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, min_volume, nodes, begin, end, set);
                   });
   std::size_t total = 0;
   for (const PatchRange& range : ranges) total += range.cells.size();
@@ -225,9 +225,9 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& n
   return set;
 }
 
-std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double least_volume) {
+std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double min_volume) {
   std::vector<PatchSet> sets;
-  for (const BodyMesh& mesh : meshes) sets.push_back(make_patches(mesh, least_volume));
+  for (const BodyMesh& mesh : meshes) sets.push_back(make_patches(mesh, min_volume));
   return sets;
 }
 

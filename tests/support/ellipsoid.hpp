@@ -122,8 +122,8 @@ class Ellipsoid final : public BodyGeometry {
                        BoundaryPoints& points) const override {
     add_points(cell, selected, owner, points);
   }
-  CellEstimate estimate_cells(const Grid& grid, double most_cells) const override {
-    return estimate_by_coarse_cells(*this, grid, most_cells);
+  CellEstimate estimate_cells(const Grid& grid, double max_cells) const override {
+    return estimate_by_coarse_cells(*this, grid, max_cells);
   }
 
  private:

@@ -26,7 +26,7 @@ struct Shape {
   bool opposite = false;      ///< the second face is opposite to the first: a thin wall
   bool redundant = false;     ///< some rows twice
   bool slivers = false;       ///< bare slivers among the patches
-  double least_fraction = 1;  ///< cut fractions down to this, logarithmically
+  double min_fraction = 1;  ///< cut fractions down to this, logarithmically
   double cell_ratio = 1;      ///< cell size of the first body over that of the second
   double data_ratio = 1;      ///< stress level of the second body over that of the first
   double poisson_ratio = 0.3;
@@ -121,8 +121,8 @@ void random_mass(const Shape& shape, Generator& g, double* packed) {
     if (!corner && (bare || (shape.slivers && g.integer(0, 3) == 0))) continue;
     double low[3], size[3] = {1, 1, 1};
     for (int i = 0, c = cell; i < 3; ++i, c /= layers) low[i] = c % layers - 0.5 * layers;
-    if (shape.least_fraction < 1 && (bare || (!corner && g.integer(0, 1) == 0)))
-      size[g.integer(0, 2)] = std::pow(shape.least_fraction, g.uniform(0, 1));
+    if (shape.min_fraction < 1 && (bare || (!corner && g.integer(0, 1) == 0)))
+      size[g.integer(0, 2)] = std::pow(shape.min_fraction, g.uniform(0, 1));
     for (int q = 0; q < 64; ++q) {
       const int i[3] = {q % 4, q / 4 % 4, q / 16};
       double d[3], p[T], weight = 1;

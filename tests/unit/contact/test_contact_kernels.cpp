@@ -9,7 +9,7 @@
 
 #include "contact/kernels/row_kernels.hpp"
 #include "contact/kernels/support_kernels.hpp"
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 #include "tests/support/execution_spaces.hpp"
 
 namespace cgcontact::test_contact_kernels {
@@ -308,8 +308,8 @@ TYPED_TEST(SupportKernels, GroupsActOnTheNodesOfTheirRows) {
 TYPED_TEST(SupportKernels, RowsOfRigidMotions) {
   using Values = typename TestFixture::TestValues;
   using Memory = typename TestFixture::TestMemory;
-  std::vector<RigidPart> parts(2);
-  for (RigidPart& part : parts)
+  std::vector<BodyMotion> parts(2);
+  for (BodyMotion& part : parts)
     for (int d = 0; d < 3; ++d) {
       part.translation[d] = this->random();
       part.rotation[d] = this->random();
@@ -331,10 +331,10 @@ TYPED_TEST(SupportKernels, RowsOfRigidMotions) {
   Kokkos::deep_copy(places.x, x);
   Kokkos::deep_copy(places.direction, direction);
   const Values moved("moved", n);
-  rigid_displacements(this->exec, places, this->template on_device<Kokkos::View<RigidPart*, Memory>>(parts), moved);
+  rigid_displacements(this->exec, places, this->template on_device<Kokkos::View<BodyMotion*, Memory>>(parts), moved);
   const auto found = this->on_host(moved);
   for (int i = 0; i < n; ++i) {
-    const RigidPart& part = parts[i % 2];
+    const BodyMotion& part = parts[i % 2];
     const Vec3 arm = Vec3(x(i, 0), x(i, 1), x(i, 2)) - part.centre;
     const Vec3 at = part.translation + part.rotation.cross(arm) + part.expansion * arm;
     EXPECT_NEAR(found[i], at.dot(Vec3(direction(i, 0), direction(i, 1), direction(i, 2))), 10 * rounding);

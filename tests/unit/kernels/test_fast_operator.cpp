@@ -1,4 +1,4 @@
-/// The fast operator against its plain twin (apply.hpp) on bodies that fit the grid, do not, are thin, have holes, or
+/// The fast operator against its plain reference (apply.hpp) on bodies that fit the grid, do not, are thin, have holes, or
 /// are random sets of cells.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

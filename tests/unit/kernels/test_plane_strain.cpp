@@ -80,7 +80,7 @@ TEST(PlaneStrain, AThirdOfTheUnknowns) {
   }
 }
 
-/// P^T A P of the slab, by the fast operator, its plain twin and the matrix.
+/// P^T A P of the slab, by the fast operator, its plain reference and the matrix.
 TEST(PlaneStrain, SystemIsTheSlabRestricted) {
   for (const Body& body : bodies()) {
     ElasticSystem system = make_system(body.cells);

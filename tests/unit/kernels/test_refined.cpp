@@ -86,7 +86,7 @@ TEST(Refined, ConsistentFieldsAreContinuous) {
   }
 }
 
-TEST(Refined, FastOperatorEqualsItsPlainTwin) {
+TEST(Refined, FastOperatorEqualsItsPlainReference) {
   for (const Body& body : bodies()) {
     ElasticSystem system = make_system(body.cells);
     std::vector<SupportTerm> terms;

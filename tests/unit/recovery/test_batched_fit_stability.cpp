@@ -24,7 +24,7 @@ test::Shape random_shape(test::Generator& g) {
   shape.opposite = g.integer(0, 3) == 0;
   shape.redundant = g.integer(0, 3) == 0;
   shape.slivers = g.integer(0, 1) == 0;
-  shape.least_fraction = std::pow(10, -g.integer(0, 12));
+  shape.min_fraction = std::pow(10, -g.integer(0, 12));
   shape.cell_ratio = std::pow(8, g.uniform(-1, 1));
   shape.data_ratio = std::pow(10, g.uniform(-6, 6));
   const double ratios[4] = {0, 0.3, 0.49, 0.4999};
@@ -33,7 +33,7 @@ test::Shape random_shape(test::Generator& g) {
 }
 
 /// Smallest eigenvalue of the mass matrices with unit diagonal: a pivot of Cholesky is no smaller a part of its entry.
-double least_scaled_eigenvalue(const Eigen::MatrixXd& M) {
+double min_scaled_eigenvalue(const Eigen::MatrixXd& M) {
   const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * M * scale.asDiagonal(),
                                                         Eigen::EigenvaluesOnly)
@@ -53,7 +53,7 @@ void check_patch(const test::FitProblem<degree, bodies>& problem, const test::De
   if (!status.finite) {
     ++tally.flagged;
     EXPECT_EQ((a - test::coefficients(problem.input)).norm(), 0);
-    EXPECT_LT(least_scaled_eigenvalue(dense.M), 1e-9);
+    EXPECT_LT(min_scaled_eigenvalue(dense.M), 1e-9);
     return;
   }
   ASSERT_TRUE(a.allFinite());

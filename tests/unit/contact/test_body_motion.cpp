@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact::test_rigid_part {
+namespace cgcontact::test_body_motion {
 namespace {
 
 using Field = std::function<Vec3(int body, const Vec3& x)>;  ///< m, global axes
@@ -55,7 +55,7 @@ Vec3 deformation(int body, const Vec3& x) { return 1e-3 * Vec3(x[1], x[0], (body
 constexpr double rounding = 3e-11;
 
 TEST_F(RigidPartsOfTurnedGrids, TakeRigidMotionsWhole) {
-  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
+  BodyMotions parts(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   parts.set_aside(ExecSpace(), u_);
   for (std::size_t i = 0; i < u_.extent(0); ++i) ASSERT_NEAR(u_(i), 0, rounding);
@@ -67,7 +67,7 @@ TEST_F(RigidPartsOfTurnedGrids, TakeRigidMotionsWhole) {
 }
 
 TEST_F(RigidPartsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) {
-  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
+  BodyMotions parts(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   add(deformation);
   parts.set_aside(ExecSpace(), u_);
@@ -82,7 +82,7 @@ TEST_F(RigidPartsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) 
   for_each_dof(all, [&](int dof, double value) {
     ASSERT_NEAR(u_(dof) + at_dof(dof) / sim_.state.scales.length, value, rounding / sim_.state.scales.length);
   });
-  const RigidPart before = parts.of_bodies()[1];
+  const BodyMotion before = parts.of_bodies()[1];
   parts.set_aside(ExecSpace(), u_);
   EXPECT_LT((parts.of_bodies()[1].at(Vec3(1, 1, 1)) - before.at(Vec3(1, 1, 1))).norm(), rounding);
 }
@@ -90,7 +90,7 @@ TEST_F(RigidPartsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) 
 /// What makes stiff bodies on soft ones exact: a small field added after the large motion is found to its own rounding,
 /// not to that of the motion.
 TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
-  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
+  BodyMotions parts(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   parts.set_aside(ExecSpace(), u_);
   Kokkos::deep_copy(u_, 0.0);
@@ -98,7 +98,7 @@ TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
   parts.set_aside(ExecSpace(), u_);
   double largest = 0;
   for (std::size_t i = 0; i < u_.extent(0); ++i) largest = std::max(largest, std::abs(u_(i)));
-  RigidParts alone(sim_.state.system.meshes, sim_.state.scales);
+  BodyMotions alone(sim_.state.system.meshes, sim_.state.scales);
   RealView v("v", u_.extent(0));
   for_each_dof(deformation, [&](int dof, double value) { v(dof) = value; });
   alone.set_aside(ExecSpace(), v);
@@ -106,4 +106,4 @@ TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
 }
 
 }  // namespace
-}  // namespace cgcontact::test_rigid_part
+}  // namespace cgcontact::test_body_motion

@@ -11,7 +11,7 @@
 #include "tests/support/constrained_fit.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact::test_plain_twins {
+namespace cgcontact::test_plain_references {
 namespace {
 
 using namespace test;
@@ -39,7 +39,7 @@ struct Case {
   }
 };
 
-TEST(PlainTwins, CellStressIntegrals) {
+TEST(PlainReferences, CellStressIntegrals) {
   const Case c;
   for (int e = 0; e < c.cells.size(); ++e) {
     double weights[27], corner[8][3], sum[6][num_terms] = {}, largest = 0;
@@ -61,7 +61,7 @@ TEST(PlainTwins, CellStressIntegrals) {
   }
 }
 
-TEST(PlainTwins, CellsAround) {
+TEST(PlainReferences, CellsAround) {
   const Case c;
   std::vector<int> some;
   for (std::size_t e = 0; e < c.cc.cells.size(); e += 37) some.push_back(static_cast<int>(e));
@@ -83,7 +83,7 @@ TEST(PlainTwins, CellsAround) {
 }
 
 /// All patches, the full ones with the general fit, and only some of them.
-TEST(PlainTwins, PatchFits) {
+TEST(PlainReferences, PatchFits) {
   const Case c;
   std::vector<char> marked(c.mesh.num_nodes, 0), marked_cells(c.cells.size(), 0);
   for (int n = 0; n < c.mesh.num_nodes; n += 3) {
@@ -123,7 +123,7 @@ TEST(PlainTwins, PatchFits) {
 
 /// Polynomials that are made where they are asked for, one by one and many, against those of all nodes; the error
 /// estimate from them against that from a field that stores all.
-TEST(PlainTwins, InteriorFit) {
+TEST(PlainReferences, InteriorFit) {
   const Case c;
   const int touched = c.cells.size() / 2;
   const Subset beside = nodes_beside_interior(c.mesh, CellLists(c.cells.size(), {touched}));
@@ -167,7 +167,7 @@ TEST(PlainTwins, InteriorFit) {
     }
 }
 
-TEST(PlainTwins, ErrorEstimate) {
+TEST(PlainReferences, ErrorEstimate) {
   const Case c;
   const double nu = 0.3, factor = std::pow(c.mesh.h(0), 3) / 8 / c.mesh.modulus;
   const auto energy = [&](const double s[6]) {
@@ -217,7 +217,7 @@ TEST(PlainTwins, ErrorEstimate) {
 }
 
 /// Free boundary everywhere and a body force: patches inside by hand, all others with the dense KKT matrix.
-TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
+TEST(PlainReferences, ConstrainedPatchesAreInEquilibriumAndNearest) {
   const Case c;
   BoundaryData boundary;
   boundary.conditions.resize(1);
@@ -249,7 +249,7 @@ TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
 }
 
 /// The points of every group carry the first and second moments of its boundary points.
-TEST(PlainTwins, ConstraintGroups) {
+TEST(PlainReferences, ConstraintGroups) {
   const Case c;
   BoundaryData boundary;
   boundary.condition_of_point.assign(c.cc.boundary.size(), 0);
@@ -292,7 +292,7 @@ TEST(PlainTwins, ConstraintGroups) {
 /// Of a shaft with 20 grooves in a cell every patch has a bounded number of constraint points; they keep the area, and
 /// the mean planes of the groups the force of a pressure (area times normal) of each patch up to the spread of the
 /// normals in a group: less than 60 degrees, here 45 on both sides.
-TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
+TEST(PlainReferences, GroupsOfRoughSurfacesAreBounded) {
   const TriangleSoup soup = test::prism_soup(test::star(800, 3, 2.9), {0, 0}, 4);
   const Solid solid = Solid::bounded_by(test::surface_of(soup)).transformed(Mat3::Identity(), {4.1, 4.2, 1.3});
   Grid grid;
@@ -314,4 +314,4 @@ TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
 }
 
 }  // namespace
-}  // namespace cgcontact::test_plain_twins
+}  // namespace cgcontact::test_plain_references
