@@ -42,16 +42,16 @@ constexpr double dearer = 1.2;
 /// interrupted ends within a fifth of max_time.
 constexpr double give_up = 1.1;
 /// Fraction of a run's time that one solve beside it must take to be reported.
-constexpr double told_part = 0.01;
+constexpr double told_fraction = 0.01;
 
 /// Ends a solve whose time is over while the run has the solution of an earlier one.
 struct OutOfTime {};
 
 /// Returns how many times as many closed groups there are on other grids.
-double more_closed_pieces(const SolvedState& state, const std::vector<BodyModel>& next) {
+double more_closed_groups(const SolvedState& state, const std::vector<BodyModel>& next) {
   double now = 0, then = 0;
   for (const ContactPair& pair : state.pairs)
-    for (std::size_t g = 0; g < pair.num_pieces(); ++g) {
+    for (std::size_t g = 0; g < pair.num_surface_groups(); ++g) {
       const ContactGroup& group = pair.groups[g];
       if (!is_closed(pair, group)) continue;
       const CutCells& from = state.bodies[group.body].cut_cells;
@@ -186,8 +186,8 @@ double AdaptiveRun::forecast() const {
   if (!last.converged) return dearer * std::max(0.0, own_ - cells) * unknowns;
   const double system = seconds_of_phases(simulation_->results, {"operator", "solve"});
   const double rest = std::max(0.0, own_ - search_ - system - cells);
-  const double pieces = more_closed_pieces(simulation_->state, next_->state.bodies);
-  return dearer * (system * unknowns + rest * std::max(unknowns, pieces));
+  const double groups = more_closed_groups(simulation_->state, next_->state.bodies);
+  return dearer * (system * unknowns + rest * std::max(unknowns, groups));
 }
 
 /// Returns how many times too large the next grid is, at most 1 if it is not; sets which limit it is.
@@ -214,33 +214,33 @@ bool AdaptiveRun::stands_still() const {
 
 /// Cells of the first grid, or of the next one; beyond a limit they become larger. False: hardly smaller than those
 /// before.
-bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
+bool AdaptiveRun::set_up(const AdaptiveCallbacks& callbacks) {
   const double allowed = allowed_unknowns();
   refused_.clear();
   if (figures_.solves.empty()) {
-    place_within(1e300, 1, callbacks);
+    set_up_within(1e300, 1, callbacks);
     check_first_grids(given_, next_->state.bodies);
     return true;
   }
   needed_ = static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
   if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
     const double enough = first_exploration * std::pow(4.0, static_cast<double>(figures_.solves.size() - 1));
-    if (enough < allowed && place_within(enough, 1, callbacks)) return true;
-    return place_within(allowed, 1, callbacks);
+    if (enough < allowed && set_up_within(enough, 1, callbacks)) return true;
+    return set_up_within(allowed, 1, callbacks);
   }
   // Not even the cells of a grid that is too large by far, or that would take what is left of the time.
   const double left = given_.accuracy.max_time - seconds();
   const bool too_large = needed_ > 4 * allowed || dearer * seconds_of_cells(needed_) > left;
   const double factor = too_large && needed_ > allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
-  if (!place_within(allowed, factor, callbacks)) return false;
-  return !stands_still() || place_within(allowed, finer * factor, callbacks);
+  if (!set_up_within(allowed, factor, callbacks)) return false;
+  return !stands_still() || set_up_within(allowed, finer * factor, callbacks);
 }
 
 /// Makes the next grid, its refined cells times a factor that grows until the unknowns are at most `allowed`, and falls
 /// from a first guess that leaves most of them. False: the cells would hardly be smaller than before.
-bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
+bool AdaptiveRun::set_up_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
   const double worth = std::pow(1 / min_gain, unknowns_power);  // times as many unknowns
-  double too_fine = 0, enough = 0;                                // factors; 0: none is known
+  double too_fine = 0, enough = 0;                              // factors; 0: none is known
   const auto grow = [&](double growth) {
     too_fine = factor;
     factor *= growth;
@@ -255,7 +255,7 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     next_scene_ = scene_on_grids(given_, sizes_, factor, max_cells(given_, allowed));
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
-      next_->place(callbacks);
+      next_->set_up(callbacks);
     } catch (const TooManyCells&) {
       grow(refused_growth);
       continue;
@@ -343,7 +343,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   next_->solve(callbacks, earlier.state, false);
   if (!next_->results.converged && earlier.state) {  // once more, from nothing
     next_ = std::make_unique<Simulation>(*next_scene_);
-    next_->place(callbacks);
+    next_->set_up(callbacks);
     next_->start_preloads_from(*simulation_);
     next_->solve(callbacks, nullptr, false);
   }
@@ -417,11 +417,11 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   double own = 0;  // what the solve has phases for
   for (const auto& [phase, s] : results.times_s) own += s;
   own -= seconds() - all;
-  if (figures_.solves.size() > 1 || all - own > told_part * all)
+  if (figures_.solves.size() > 1 || all - own > told_fraction * all)
     results.times_s.insert(results.times_s.begin(), {"other solves", std::max(0.0, all - own)});
-  if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
-  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular position
-  for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
+  if (results.converged) results.singular_points = singular_points(simulation_->state, energies_);
+  if (!results.singular_points.empty()) estimate_peak_errors(results);  // none at a singular position
+  for (const SingularPoint& point : results.singular_points) results.warnings.push_back(describe(point));
   results.accuracy = figures_;
   results.accuracy.asked = true;
 }
@@ -430,7 +430,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
 void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
   const AccuracyOptions& options = given_.accuracy;
   for (;;) {
-    if (!place(callbacks)) {
+    if (!set_up(callbacks)) {
       figures_.text = after_failure() +
                       (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
                                                       limit_, number(needed_))

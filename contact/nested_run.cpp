@@ -70,7 +70,7 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
   for (; halvings > 0; --halvings) {
     auto next = std::make_unique<Coarse>(scene_, std::ldexp(1.0, halvings));
     try {
-      next->simulation.place({});
+      next->simulation.set_up({});
       if (last) next->simulation.start_preloads_from(last->simulation);
       next->simulation.solve_system(steps_only, last ? &last->simulation.state : nullptr);
       const SolvedState& state = next->simulation.state;
@@ -90,7 +90,7 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
 }
 
 void NestedRun::run(const ProgressCallbacks& progress) {
-  simulation_->place(progress);
+  simulation_->set_up(progress);
   const auto start = std::chrono::steady_clock::now();
   std::unique_ptr<Coarse> coarse = scene_.solver.nested ? solve_coarser(progress) : nullptr;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -100,7 +100,7 @@ void NestedRun::run(const ProgressCallbacks& progress) {
   coarse.reset();                                            // before the recovery, which takes most memory
   if (from_coarse && !simulation_->state.outer.converged) {  // once more, from nothing
     simulation_ = std::make_unique<Simulation>(scene_);
-    simulation_->place(progress);
+    simulation_->set_up(progress);
     simulation_->solve_system(progress, nullptr);
   }
   simulation_->finish(progress, true);

@@ -10,8 +10,8 @@
 #include "contact/model/memory.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/rigid_supports.hpp"
+#include "contact/motions/free_components.hpp"
 #include "contact/motions/free_motion.hpp"
-#include "contact/motions/free_pieces.hpp"
 #include "contact/plausibility.hpp"
 #include "contact/results/reference.hpp"
 
@@ -100,16 +100,16 @@ void check_free_motions(const Scene& scene, Preparation& p) {
 
 /// A rigid body needs no density under gravity if its supports alone hold it: its mass moves nothing then.
 void check_masses(const Preparation& p) {
-  const std::vector<RigidComponent> pieces = whole_bodies(p.bodies).list;
+  const std::vector<RigidComponent> components = whole_bodies(p.bodies).list;
   std::vector<int> itself(p.bodies.size());
   std::iota(itself.begin(), itself.end(), 0);
   std::vector<Resistance> held(p.bodies.size(), Resistance::Zero());
   for (const SupportPoint& point : p.supports)
-    if (point.support >= 0 && point.spring == 0) add_resistance(point, pieces, p.bodies, itself, held);
+    if (point.support >= 0 && point.spring == 0) add_resistance(point, components, p.bodies, itself, held);
   for (std::size_t b = 0; b < p.bodies.size(); ++b) {
     const BodySpec& body = *p.bodies[b].spec;
     if (body.inertia.unknown && motions_not_resisted(held[b]).cols() > 0)
-      throw InputError(body.place, "\"" + body.name + "\"",
+      throw InputError(body.location, "\"" + body.name + "\"",
                        "it has no density, which gravity and rotation act on, and its supports leave it free to move",
                        "material = {density = 7850} in kg/m^3, or supports that hold the rigid body wholly");
   }

@@ -93,15 +93,15 @@ bool is_at_rest(const OuterResult& outer) {
   const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), outer.u);
   for (std::size_t i = 0; i < u.size(); ++i)
     if (u(i) != 0) return false;
-  for (const BodyMotion& part : outer.body_motions)
-    if (part.translation.norm() + part.rotation.norm() + part.expansion.norm() > 0) return false;
+  for (const BodyMotion& motion : outer.body_motions)
+    if (motion.translation.norm() + motion.rotation.norm() + motion.expansion.norm() > 0) return false;
   return std::all_of(outer.group_force.begin(), outer.group_force.end(), [](double force) { return force == 0; });
 }
 
 }  // namespace
 
 void Simulation::run(const ProgressCallbacks& progress) {
-  place(progress);
+  set_up(progress);
   solve(progress);
 }
 
@@ -112,8 +112,8 @@ void Simulation::sample_paths(const ProgressCallbacks& progress) {
   });
 }
 
-void Simulation::place(const ProgressCallbacks& progress) {
-  PhaseClock(results.times_s, progress)("cut cells", [&] { place_on_grids(); });
+void Simulation::set_up(const ProgressCallbacks& progress) {
+  PhaseClock(results.times_s, progress)("cut cells", [&] { set_up_grids(); });
 }
 
 void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier, bool with_paths) {
@@ -281,19 +281,20 @@ bool Simulation::lost_by_wandering(const std::string& fault) const {
 
 /// Figures of a step; the pairs of the last one are those of the results.
 void Simulation::record_step(std::size_t number, const ProgressCallbacks& progress) {
-  Results part;
+  Results step_results;
   if (number + 1 < state.scene.steps.size()) {
     recover();
-    fill_contact_rows(state, part);
-    fill_pair_figures(state, part);
-    fill_friction(state, part);
-    fill_fields(state, part);
-    progress.load_step(number, part);
+    fill_contact_rows(state, step_results);
+    fill_pair_figures(state, step_results);
+    fill_friction(state, step_results);
+    fill_fields(state, step_results);
+    progress.load_step(number, step_results);
   }
-  results.steps.push_back({state.scene.steps[number], state.outer.iterations, state.outer.converged, part.pairs, {}});
+  results.steps.push_back(
+      {state.scene.steps[number], state.outer.iterations, state.outer.converged, step_results.pairs, {}});
 }
 
-void Simulation::place_on_grids() {
+void Simulation::set_up_grids() {
   for (const BodySpec& body : state.scene.bodies) {
     results.warnings.insert(results.warnings.end(), body.warnings.begin(), body.warnings.end());
     if (body.material.poisson_ratio > 0.48)
@@ -358,7 +359,8 @@ void Simulation::recover() {
     if (singular > 0)
       add_warning(std::to_string(singular) + " patches of body \"" + state.bodies[b].spec->name +
                   "\" were singular: constant stress used there");
-    state.spr.push_back(part_of(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(b), mesh)));
+    state.spr.push_back(
+        restricted_field(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(b), mesh)));
     state.sprc.push_back(field);
     input.push_back({&mesh, &patches[b], &boundary, field});
   }
@@ -424,7 +426,7 @@ void Simulation::fill_results() {
   fill_support_figures(state, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
   fill_balance(state, results);
-  if (const std::string warning = place_keeping_warning(state); !warning.empty()) add_warning(warning);
+  if (const std::string warning = surface_hold_warning(state); !warning.empty()) add_warning(warning);
   choose_reference();
   fill_body_fields(state, results);
   fill_rigid_figures(state, results);

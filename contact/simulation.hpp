@@ -33,7 +33,7 @@ class Simulation {
   void run(const ProgressCallbacks& progress);
   /// Steps of a simulation: making the grids; solving on them, with all results. The pressure along the paths that are
   /// drawn may come later. earlier: a solution on other grids to start from, or none.
-  void place(const ProgressCallbacks& progress);
+  void set_up(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   /// Halves of solve: up to the displacements, and what follows from them.
   void solve_system(const ProgressCallbacks& progress, const SolvedState* earlier);
@@ -43,7 +43,7 @@ class Simulation {
   void start_preloads_from(const Simulation& earlier) { preload_.start_from(earlier.preload_); }
 
   /// Steps, for programs that measure them one by one; between the second and the third comes the solution.
-  void place_on_grids();
+  void set_up_grids();
   void make_system();
   void recover();
   void fill_results();

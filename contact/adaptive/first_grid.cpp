@@ -16,7 +16,7 @@ constexpr double measuring_cells = 8;
 Vec3 extent(const BodySpec& body, double across) {
   Vec3 min, max;
   if (!body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max))
-    throw InputError(body.place, "\"" + body.name + "\"", "the body is not bounded",
+    throw InputError(body.location, "\"" + body.name + "\"", "the body is not bounded",
                      "intersect half-spaces with a box");
   Vec3 extent = max - min;
   if (body.quadtree) extent[static_cast<int>(*body.plane_strain)] = across;

@@ -19,7 +19,7 @@ constexpr double equal_sizes = 1e-9;
 /// Cells are larger than what is wanted if that is less than so much of their size.
 constexpr double too_large = 0.999;
 
-/// A divided cell that the body touches leaves at least so many cells more, some of its parts being outside.
+/// A divided cell that the body touches leaves at least so many cells more, some of its children being outside.
 constexpr double min_gain = 2, min_gain_in_plane = 1;
 /// Of memory that a cell takes at least (contact/model/memory.cpp).
 constexpr double min_bytes = 500;
@@ -63,8 +63,8 @@ std::vector<char> cells_of_face(const CutCells& cells, const FaceSpec& face) {
   const BoundaryPoints& points = cells.boundary;
   for (std::size_t p = 0; p < points.size(); ++p)
     if (face.contains(cells.solid.surfaces()[points.surface[p]].names,
-                      cells.grid.to_global(points.position_of_piece(p)),
-                      cells.grid.rotation * points.normal_of_piece(p)))
+                      cells.grid.to_global(points.position_of_facet(p)),
+                      cells.grid.rotation * points.normal_of_facet(p)))
       marked[points.cell[p]] = 1;
   return marked;
 }

@@ -33,7 +33,7 @@ struct RigidComponents {
 /// Returns one per body, in their order.
 RigidComponents whole_bodies(const std::vector<BodyModel>& bodies);
 /// Finds the connected components of bodies.
-RigidComponents separate_pieces(const std::vector<BodyModel>& bodies);
+RigidComponents components_of(const std::vector<BodyModel>& bodies);
 
 /// Returns for each body its assembly, made by bonded faces: the smallest index of the bodies in it.
 std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<ContactPair>& pairs);
@@ -41,7 +41,7 @@ std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<Con
 /// Returns a basis (orthonormal columns; rows 6 k .. 6 k + 5: motion of component k) of the motions that are resisted
 /// by less than `no_stiffness` of what is resisted most among the components that contact joins; with the present state
 /// of the contact points.
-Eigen::MatrixXd free_rigid_motions(const RigidComponents& pieces, const std::vector<BodyModel>& bodies,
+Eigen::MatrixXd free_rigid_motions(const RigidComponents& components, const std::vector<BodyModel>& bodies,
                                    const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                    double no_stiffness = 1e-9);
 

@@ -27,10 +27,10 @@ std::vector<double> deformations(const SolvedState& state) {
     double here = 0;
     for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
       here = std::max(here, Vec3(u(dof_offset(n)), u(dof_offset(n) + 1), u(dof_offset(n) + 2)).norm());
-    const BodyMotion& part = state.outer.body_motions[largest.size()];
+    const BodyMotion& motion = state.outer.body_motions[largest.size()];
     const BodyModel& body = state.bodies[largest.size()];
     const double moved =
-        part.translation.norm() + (part.rotation.norm() + part.expansion.norm()) * longest_extent(body);
+        motion.translation.norm() + (motion.rotation.norm() + motion.expansion.norm()) * longest_extent(body);
     here *= state.scales.length;
     largest.push_back(mesh.rigid || here < motion_rounding * moved ? 0 : here);
   }
@@ -71,15 +71,13 @@ std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& re
   std::vector<UnclearGap> unclear;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const PairFigures& figures = results.pairs[p];
-    if (!figures.min_gap || !(*figures.min_gap <= *figures.min_gap_error) || *figures.min_gap_error == 0)
-      continue;
+    if (!figures.min_gap || !(*figures.min_gap <= *figures.min_gap_error) || *figures.min_gap_error == 0) continue;
     const ContactPair& pair = state.pairs[p];
     const double modulus =
         effective_modulus(state.scene.bodies[pair.primary].material, state.scene.bodies[pair.secondary].material);
-    unclear.push_back(
-        {static_cast<int>(p), *figures.min_gap, *figures.min_gap_error, figures.min_gap_at,
-         figures.min_gap_cell,
-         indentation * modulus * figures.min_gap_cell * (*figures.min_gap_error - *figures.min_gap)});
+    unclear.push_back({static_cast<int>(p), *figures.min_gap, *figures.min_gap_error, figures.min_gap_at,
+                       figures.min_gap_cell,
+                       indentation * modulus * figures.min_gap_cell * (*figures.min_gap_error - *figures.min_gap)});
   }
   return unclear;
 }

@@ -17,10 +17,10 @@ namespace {
 struct Largest {
   double value = 0;
   Vec3 x = Vec3::Zero();
-  void add(double other, const Vec3& place) {
+  void add(double other, const Vec3& position) {
     if (other <= value) return;
     value = other;
-    x = place;
+    x = position;
   }
 };
 
@@ -60,9 +60,9 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
       });
   put_together(found.data(), found.size(), sizeof(StrainExtremes));
   StrainExtremes all;
-  for (const StrainExtremes& part : found) {
-    all.strain.add(part.strain.value, part.strain.x);
-    all.displacement.add(part.displacement.value, part.displacement.x);
+  for (const StrainExtremes& of_chunk : found) {
+    all.strain.add(of_chunk.strain.value, of_chunk.strain.x);
+    all.displacement.add(of_chunk.displacement.value, of_chunk.displacement.x);
   }
   return all;
 }
@@ -94,8 +94,8 @@ std::vector<std::string> small_strain_warnings(const SolvedState& state, const R
     const double size = size_of(spec), modulus = spec.material.youngs_modulus;
     const ResultOptions& limits = state.scene.results;
     std::string text;
-    const auto add = [&](bool too_large, const std::string& part) {
-      if (too_large) text += (text.empty() ? "" : ", ") + part;
+    const auto add = [&](bool too_large, const std::string& phrase) {
+      if (too_large) text += (text.empty() ? "" : ", ") + phrase;
     };
     add(extremes.strain.value > limits.largest_strain,
         fmt::format("strain {:.2g} %{}", 100 * extremes.strain.value, at(extremes.strain.x)));

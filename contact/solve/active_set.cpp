@@ -68,7 +68,7 @@ std::vector<std::string> open_separating_pairs(Iterate& iterate, const FreeMotio
 long long count_active(const std::vector<ContactPair>& pairs) {
   long long active = 0;
   for (const ContactPair& pair : pairs)
-    for (std::size_t q = 0; q < pair.num_places(); ++q) active += pair.points.active(q);
+    for (std::size_t q = 0; q < pair.num_surface_points(); ++q) active += pair.points.active(q);
   return active;
 }
 

@@ -32,14 +32,15 @@ BodyMotions::BodyMotions(const std::vector<BodyMesh>& meshes, const Scales& scal
 }
 
 void BodyMotions::forget() {
-  for (BodyMotion& part : motions_) part.translation = part.rotation = Vec3::Zero();
+  for (BodyMotion& motion : motions_) motion.translation = motion.rotation = Vec3::Zero();
 }
 
 Kokkos::View<const BodyMotion*, MemSpace> BodyMotions::on_device() const {
-  const Kokkos::View<const BodyMotion*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(motions_.data(), motions_.size());
-  const Kokkos::View<BodyMotion*, MemSpace> parts("cgcontact::body_motion::parts", motions_.size());
-  Kokkos::deep_copy(parts, host);
-  return parts;
+  const Kokkos::View<const BodyMotion*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(motions_.data(),
+                                                                                         motions_.size());
+  const Kokkos::View<BodyMotion*, MemSpace> motions("cgcontact::body_motion::parts", motions_.size());
+  Kokkos::deep_copy(motions, host);
+  return motions;
 }
 
 void BodyMotions::set_aside(const ExecSpace& exec, const RealView& u) {
@@ -66,9 +67,9 @@ void BodyMotions::set_aside(const ExecSpace& exec, const RealView& u) {
 }
 
 void BodyMotions::move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre) {
-  BodyMotion& part = motions_[body];
-  part.translation += translation + rotation.cross(part.centre - centre);
-  part.rotation += rotation;
+  BodyMotion& motion = motions_[body];
+  motion.translation += translation + rotation.cross(motion.centre - centre);
+  motion.rotation += rotation;
 }
 
 double BodyMotions::largest_displacement(const ExecSpace& exec, const RealView& u) const {
@@ -86,7 +87,8 @@ double BodyMotions::largest_displacement(const ExecSpace& exec, const RealView& 
         Kokkos::Max<double>(deformation));
     const Index3& cells = mesh.cut_cells->grid.num_cells;
     const double size = mesh.cut_cells->grid.cell_size * *std::max_element(cells.begin(), cells.end());
-    const double rigid = motions_[b].translation.norm() + size * (motions_[b].rotation.norm() + motions_[b].expansion.norm());
+    const double rigid =
+        motions_[b].translation.norm() + size * (motions_[b].rotation.norm() + motions_[b].expansion.norm());
     largest = std::max(largest, deformation + rigid / length_);
   }
   return largest;

@@ -4,10 +4,10 @@
 
 #include <Kokkos_DualView.hpp>
 
+#include "contact/solve/body_motion.hpp"
 #include "contact/solve/contact_arrays.hpp"
 #include "contact/solve/friction.hpp"
 #include "contact/solve/rigid_contact.hpp"
-#include "contact/solve/body_motion.hpp"
 
 namespace cgcontact {
 
@@ -78,8 +78,8 @@ struct Iterate {
 
   ContactGroupArrays<MemSpace> groups_;
   SupportArrays<MemSpace> supports_;
-  DirectionArrays<MemSpace> support_places_, row_places_;
-  IntView entry_place_;                                 ///< of the entries of rows in row_places_
+  DirectionArrays<MemSpace> support_directions_, row_directions_;
+  IntView entry_index_;                                 ///< of the entries of rows in row_directions_
   std::vector<std::vector<double>> last_spring_steps_;  ///< m, of each body's springs
 };
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "contact/model/contact_system.hpp"
-#include "contact/motions/free_pieces.hpp"
+#include "contact/motions/free_components.hpp"
 #include "contact/solve/active_set.hpp"
 #include "contact/solve/active_set_history.hpp"
 #include "contact/solve/diagnosis.hpp"
@@ -134,7 +134,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   solver_error_.clear();
   warm_ = false;
   double outer_residual = 1;
-  double inner_part = 1;  // of the tolerances of linear solves
+  double tightening = 1;  // factor of the tolerances of linear solves
   ActiveSetHistory history(problem_.pairs);
   SoftContact soft(problem_.pairs);
   RealView before;
@@ -147,7 +147,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (search && before.size() == 0) before = RealView("cgcontact::outer_loop::before", now_.u.size());
     if (search) Kokkos::deep_copy(before, now_.u);
     const double inner =
-        std::max(inner_part * std::min(settings().inner_fraction * outer_residual, settings().loosest_inner_tolerance),
+        std::max(tightening * std::min(settings().inner_fraction * outer_residual, settings().loosest_inner_tolerance),
                  settings().linear_tolerance);
     LinearSolveResult solve = solve_linear(inner * right_hand_side_.force_norm());
     // Displacements that are good enough as they are would give the same stresses again, converged or not.
@@ -162,7 +162,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     held = !now_.floating.any() || contact_holds_floating_bodies();
     if (!unbalanced_.empty() || (!held && !balance_floating_bodies())) {
       update_active_set(now_, false);
-      return stop(iteration, describe_parting(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()), result);
+      return stop(iteration, describe_separation(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()),
+                  result);
     }
     now_.let_springs_follow();
     if (wanders_far()) {
@@ -172,7 +173,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     update_active_set(now_, iteration <= settings().last_small_zone_decision);
     step.changed_points = history.record(problem_.pairs);
     step.residual = renew_stress();
-    if (step.changed_points == 0 && step.residual > slow_fall * outer_residual) inner_part *= tighter;
+    if (step.changed_points == 0 && step.residual > slow_fall * outer_residual) tightening *= tighter;
     outer_residual = step.residual;
     step.active_points = count_active(problem_.pairs);
     result.residuals.push_back(step.residual);
@@ -186,7 +187,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (held && step.changed_points > 0 && !driven_motions(problem_).empty())
       return stop(iteration, describe_loss_of_contact(problem_.pairs), result);
     if (!was_soft && step.changed_points == 0 && step.residual < settings().tolerance && step.length == 1 &&
-        spring_force <= std::max(settings().largest_spring_part * now_.total_force(),
+        spring_force <= std::max(settings().largest_spring_fraction * now_.total_force(),
                                  settings().linear_tolerance * right_hand_side_.force_norm() * now_.force_unit())) {
       polish(result);
       result.converged = warm_ = true;
@@ -272,7 +273,7 @@ void ContactSolver::Impl::update_solver() {
   if (!lagged_stress_) lagged_stress_ = std::make_unique<LaggedStress>(problem_);
   has_support_terms_ = solver_.needs_supports();
   if (has_support_terms_) return;
-  for (std::vector<SupportTerm>& of_part : problem_.system.supports) of_part = std::vector<SupportTerm>();
+  for (std::vector<SupportTerm>& terms : problem_.system.supports) terms = std::vector<SupportTerm>();
   for (BodyModel& body : problem_.bodies)
     if (!body.boundary.body_force_at) body.cut_cells.keep_own_moments();
 }
@@ -330,8 +331,9 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
-    const RigidComponent& piece = now_.floating.pieces()[b];
-    now_.body_motions.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / piece.size(), piece.centre());
+    const RigidComponent& component = now_.floating.components()[b];
+    now_.body_motions.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / component.size(),
+                           component.centre());
   }
   now_.set_rigid_motions_aside();
   return true;

@@ -60,7 +60,7 @@ void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<Cont
 void Preload::refuse(Eigen::Index pair, double force) const {
   const ContactSpec& spec = *tightened_[pair];
   throw InputError(
-      spec.place, '"' + spec.name + '"',
+      spec.location, '"' + spec.name + '"',
       fmt::format("its preload of {:.6g} N is not reached: after {} solves an interference of {:.4g} m gives {:.6g} N",
                   *spec.preload, solves_, spec.interference + tightening_[pair], force),
       "a pair whose force its interference gives, not the loads alone, within small strain");

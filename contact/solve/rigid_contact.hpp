@@ -28,7 +28,7 @@ class FloatingBodies {
   bool any() const { return any_; }
   /// Returns whether its supports alone leave this body free.
   bool floats(int body) const;
-  const std::vector<RigidComponent>& pieces() const { return pieces_; }
+  const std::vector<RigidComponent>& components() const { return components_; }
 
   struct Balance {
     bool found = false;
@@ -61,7 +61,7 @@ class FloatingBodies {
 
   const std::vector<BodyModel>& bodies_;
   const std::vector<ContactPair>& pairs_;
-  std::vector<RigidComponent> pieces_;
+  std::vector<RigidComponent> components_;
   std::vector<Eigen::Matrix<double, 6, 6>> free_;  ///< projection of a body's motions on those that are free
   std::vector<char> loaded_;                       ///< or touched by a floating body that is
   bool any_ = false;

@@ -61,14 +61,15 @@ SurfaceWanderers::SurfaceWanderers(const std::vector<BodyModel>& bodies, const s
   }
 }
 
-double SurfaceWanderers::farthest(const std::vector<BodyMotion>& parts) const {
+double SurfaceWanderers::farthest(const std::vector<BodyMotion>& motions) const {
   double most = 0;
   for (const Wanderer& wanderer : wanderers_) {
-    Eigen::VectorXd motion(6 * parts.size());
-    for (std::size_t b = 0; b < parts.size(); ++b) {
-      const RigidComponent& piece = wanderer.motions.bodies[b];
-      motion.segment<3>(6 * b) = parts[b].translation + parts[b].rotation.cross(piece.centre() - parts[b].centre);
-      motion.segment<3>(6 * b + 3) = piece.size() * parts[b].rotation;
+    Eigen::VectorXd motion(6 * motions.size());
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const RigidComponent& component = wanderer.motions.bodies[b];
+      motion.segment<3>(6 * b) =
+          motions[b].translation + motions[b].rotation.cross(component.centre() - motions[b].centre);
+      motion.segment<3>(6 * b + 3) = component.size() * motions[b].rotation;
     }
     most = std::max(most, (wanderer.motions.modes.transpose() * motion).norm() / wanderer.cell);
   }
@@ -80,7 +81,7 @@ std::vector<SupportPoint> SurfaceWanderers::hold(const std::vector<BodyModel>& b
   for (const Wanderer& wanderer : wanderers_)
     for (const SupportPoint& point : cgcontact::hold(wanderer.motions, bodies)) {
       points.push_back(point);
-      points.back().keeps_place = true;
+      points.back().holds_along_surface = true;
     }
   return points;
 }

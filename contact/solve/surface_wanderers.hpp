@@ -18,7 +18,7 @@ class SurfaceWanderers {
   SurfaceWanderers(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                    const std::vector<ContactPair>& pairs);
   /// Returns the largest distance that a body has moved along surfaces, in its smallest cells at contact.
-  double farthest(const std::vector<BodyMotion>& parts) const;
+  double farthest(const std::vector<BodyMotion>& motions) const;
   /// Returns points that hold all these motions.
   std::vector<SupportPoint> hold(const std::vector<BodyModel>& bodies) const;
 

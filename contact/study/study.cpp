@@ -151,9 +151,9 @@ void StudyRunner::run_row(std::size_t r, Progress& progress) {
   const fs::path target = folder(row), again = target.string() + ".again";
   fs::remove_all(target);
   for (int k = 0; k < options_.repeat; ++k) {
-    const fs::path& place = k == 0 ? target : again;
+    const fs::path& run_folder = k == 0 ? target : again;
     const std::string fastest = row.report;
-    const bool results = run_once(row, place.string());
+    const bool results = run_once(row, run_folder.string());
     if (k > 0 && results && row.report != fastest) {
       fs::remove_all(target);
       fs::rename(again, target);

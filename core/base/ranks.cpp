@@ -128,7 +128,7 @@ void sum(T* values, std::size_t count, MPI_Datatype type) {
 }
 
 /// All ranks know all sizes.
-void gather_pieces(const char* own, const std::vector<std::size_t>& sizes, char* all, bool in_place) {
+void gather_shares(const char* own, const std::vector<std::size_t>& sizes, char* all, bool in_place) {
   std::size_t total = 0;
   for (const std::size_t size : sizes) total += size;
   if (total > max_count) {  // rank after rank
@@ -202,7 +202,7 @@ std::vector<char> gather_bytes(const void* own, std::size_t size) {
   std::size_t total = 0;
   for (const unsigned long long s : sizes) total += s;
   std::vector<char> all(total);
-  gather_pieces(bytes, {sizes.begin(), sizes.end()}, all.data(), false);
+  gather_shares(bytes, {sizes.begin(), sizes.end()}, all.data(), false);
   return all;
 }
 
@@ -211,7 +211,7 @@ void put_together(void* all, std::size_t n, std::size_t size) {
   std::vector<std::size_t> sizes;
   for (int r = 0; r < ranks; ++r)
     sizes.push_back((n * (static_cast<std::size_t>(r) + 1) / ranks - n * static_cast<std::size_t>(r) / ranks) * size);
-  gather_pieces(nullptr, sizes, static_cast<char*>(all), true);
+  gather_shares(nullptr, sizes, static_cast<char*>(all), true);
 }
 
 bool failed_on_all_ranks() {

@@ -170,11 +170,11 @@ CurvedTriangles CadModel::triangles(double deflection) const {
               [&](Packing& packing) { kernel().pack_triangles(*this, deflection, packing); });
   return kernel().unpack_triangles(*this, bytes);
 }
-CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
-                           const Similarity& place_b) {
+CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& placement_a, const CadModel& b,
+                           const Similarity& placement_b) {
   const std::vector<char> bytes = guarded(
       "OpenCASCADE cannot combine the solids", limits_of(a.faces_.size() + b.faces_.size()), [&](Packing& packing) {
-        kernel().pack_solids({{"", kernel().combine(operation, a, place_a, b, place_b), "", ""}}, packing);
+        kernel().pack_solids({{"", kernel().combine(operation, a, placement_a, b, placement_b), "", ""}}, packing);
       });
   return kernel().unpack_solids(bytes).front().model;
 }

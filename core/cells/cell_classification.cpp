@@ -107,10 +107,10 @@ class Classifier {
 /// than touch it. With none inside, a coarse cell counts as empty, with all inside as full: a face that lies on its
 /// side cuts a layer.
 int inside_of(const BodyGeometry& body, const Index3& cell) {
-  constexpr double place[3] = {0.01, 0.5, 0.99};
+  constexpr double offset[3] = {0.01, 0.5, 0.99};
   int inside = 0;
   for (int n = 0; n < 27; ++n)
-    inside += body.contains(Vec3(cell[0] + place[n % 3], cell[1] + place[n / 3 % 3], cell[2] + place[n / 9]));
+    inside += body.contains(Vec3(cell[0] + offset[n % 3], cell[1] + offset[n / 3 % 3], cell[2] + offset[n / 9]));
   return inside;
 }
 

@@ -67,8 +67,8 @@ bool CellTree::is_refined_in(int from, const Index3& first, const Index3& last, 
       for (c[0] = begin[0]; c[0] <= end[0]; ++c[0]) {
         if (refined_[from].find(c) < 0) continue;
         if (from == level) return true;
-        const Index3 part{2 * c[0], 2 * c[1], 2 * c[2]};
-        if (is_refined_in(from + 1, part, {part[0] + 1, part[1] + 1, part[2] + 1}, level, low, high)) return true;
+        const Index3 child{2 * c[0], 2 * c[1], 2 * c[2]};
+        if (is_refined_in(from + 1, child, {child[0] + 1, child[1] + 1, child[2] + 1}, level, low, high)) return true;
       }
   return false;
 }

@@ -68,7 +68,7 @@ struct Block {
 };
 
 [[noreturn]] void fail(const Line& line, const std::string& problem, const std::string& allowed = {}) {
-  throw InputError(SourcePlace{line.file, line.number, ""}, "", problem, allowed);
+  throw InputError(SourceLocation{line.file, line.number, ""}, "", problem, allowed);
 }
 
 /// Splits a file, and those that it includes, into blocks.

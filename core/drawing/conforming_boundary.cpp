@@ -27,18 +27,18 @@ constexpr double one_point = 1e-6;
 std::vector<int> welded(const DrawnBody& body) {
   std::vector<int> first(body.position.size(), -1);
   const double reach = one_point * body.mesh.cut_cells->grid.cell_size_of(body.mesh.cut_cells->num_levels() - 1);
-  PointBuckets places(reach);
+  PointBuckets buckets(reach);
   for (const BoundaryTriangle& triangle : body.mesh.boundary)
     for (const int p : triangle.points) {
       if (first[p] >= 0) continue;
-      places.any_near(body.position[p], [&](int other) {
+      buckets.any_near(body.position[p], [&](int other) {
         if ((body.position[other] - body.position[p]).norm() > reach) return false;
         first[p] = other;
         return true;
       });
       if (first[p] >= 0) continue;
       first[p] = p;
-      places.add(body.position[p], p);
+      buckets.add(body.position[p], p);
     }
   return first;
 }

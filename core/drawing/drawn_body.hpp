@@ -41,7 +41,7 @@ double stress_error(const BodyFields& body, int cell);
 
 DrawnBody draw_body(const BodyFields& fields);
 std::vector<DrawnBody> draw_bodies(const Results& results);
-/// Another mesh of the same body, for example of a part of it.
+/// Another mesh of the same body, for example of a region of it.
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);
 /// Other fields of the same body, for example those of another step, at the points that it has.
 void redraw(const BodyFields& fields, DrawnBody& drawn);
@@ -66,7 +66,7 @@ struct ContactSurface {
   std::size_t size() const { return triangles.size(); }
 };
 
-/// The contact faces are the pieces of surface, cell by cell, that hold contact rows.
+/// The contact faces are the facets of the surface, cell by cell, that hold contact rows.
 ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies);
 
 }  // namespace cgcontact

@@ -91,7 +91,7 @@ class BodySearch {
   Extremes whole() const {
     Collector most;
     add_points(
-        drawn_, [&](std::size_t p) { return place_of(p); }, drawn_.position.size(), most);
+        drawn_, [&](std::size_t p) { return position_in_layer(p); }, drawn_.position.size(), most);
     each_interior_block(drawn_, [&](int first, const PointValues& values) {
       const std::size_t size = std::max(values.displacement.size(), values.stress.size());
       add_points(
@@ -107,7 +107,7 @@ class BodySearch {
     for (const Surface& surface : cells_.solid.surfaces()) selected.push_back(face.selects(surface.names));
     Collector most;
     const std::set<int> points = drawn_points(face, selected);
-    for (const int p : points) add_point(drawn_, p, place_of(p), most);
+    for (const int p : points) add_point(drawn_, p, position_in_layer(p), most);
     if (points.empty()) add_boundary(face, selected, most);
     for (const ContactRow& row : results_.contact_rows) {
       if (row.body != body_) continue;
@@ -126,7 +126,7 @@ class BodySearch {
   }
 
   /// Returns the position of a point; in its half-plane for a body of revolution, which is drawn with a thickness.
-  Vec3 place_of(std::size_t point) const {
+  Vec3 position_in_layer(std::size_t point) const {
     const Vec3& x = drawn_.position[point];
     return cells_.grid.is_axisymmetric() ? cells_.grid.in_layer(x) : x;
   }
@@ -158,8 +158,8 @@ class BodySearch {
   void add_boundary(const FaceSpec& face, const std::vector<char>& selected, Collector& most) const {
     const BoundaryPoints& boundary = cells_.boundary;
     for (std::size_t i = 0; i < boundary.size(); ++i) {
-      if (!selected[boundary.surface[i]] || !face.contains(cells_.grid.to_global(boundary.position_of_piece(i)),
-                                                           cells_.grid.rotation * boundary.normal_of_piece(i)))
+      if (!selected[boundary.surface[i]] || !face.contains(cells_.grid.to_global(boundary.position_of_facet(i)),
+                                                           cells_.grid.rotation * boundary.normal_of_facet(i)))
         continue;
       const Vec3 x = cells_.grid.to_global(boundary.position[i]);
       const Vec3 xi = clamped_cell_coordinates(cells_, boundary.cell[i], boundary.position[i]);

@@ -65,7 +65,7 @@ class BodyGeometry {
   /// around this one have left about theirs: 1 inner, 0 outer, -1 not known.
   virtual int side_of_block(const Vec3& centre, const Vec3& half_size, std::vector<signed char>& sides) const;
   /// Finds the cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in
-  /// grid coordinates. Boundary pieces are cut at the dividers, `order`: of the rule on them (boundary_points_of_cell).
+  /// grid coordinates. Boundary facets are cut at the dividers, `order`: of the rule on them (boundary_points_of_cell).
   /// Cells that are no leaves of the level may be left out. This body, grid and dividers must outlive the sweep.
   virtual std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
                                                  const LeafLevel& leaves) const = 0;

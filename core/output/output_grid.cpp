@@ -62,10 +62,10 @@ using CellColour = std::function<Rgb(std::size_t body, int cell)>;
 RenderedImage draw(const std::vector<DrawnBody>& bodies, const Panel& view, const CellColour& colour) {
   const auto is_seen = [&](const DrawnBody& body, const BoundaryTriangle& t) {
     for (int k = 0; k < 2; ++k) {
-      const auto place = [&](int v) {
+      const auto coordinate = [&](int v) {
         return (k == 0 ? view.camera.right : view.camera.up).dot(body.position[t.points[v]]) - view.camera.low[k];
       };
-      const auto [low, high] = std::minmax({place(0), place(1), place(2)});
+      const auto [low, high] = std::minmax({coordinate(0), coordinate(1), coordinate(2)});
       if (high < 0 || low > view.size[k] / view.camera.pixels_per_metre) return false;
     }
     return true;
@@ -79,7 +79,7 @@ RenderedImage draw(const std::vector<DrawnBody>& bodies, const Panel& view, cons
     const DrawnBody& body = bodies[b];
     const BoundaryTriangle& t = body.mesh.boundary[i];
     RasterTriangle drawn;
-    drawn.part = static_cast<int>(b);
+    drawn.region = static_cast<int>(b);
     const double value = packed(colour(b, t.cell));
     for (int v = 0; v < 3; ++v)
       drawn.vertices[v] = {body.position[t.points[v]], std::ldexp(1.0, t.level) * body.mesh.points[t.points[v]], value};

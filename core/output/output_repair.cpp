@@ -17,7 +17,7 @@ constexpr std::size_t max_surfaces = 12;
 RenderedImage draw(const RepairedSurface& surface, const Panel& view) {
   const auto triangle = [&](std::size_t t) {
     RasterTriangle drawn;
-    drawn.part = surface.is_new[t];
+    drawn.region = surface.is_new[t];
     for (int v = 0; v < 3; ++v) {
       const Vec3& x = surface.soup.points[surface.soup.triangles[t][v]];
       drawn.vertices[v] = {x, Vec3::Constant(0.5), packed(surface.is_new[t] ? new_triangle : as_before)};  // no grid

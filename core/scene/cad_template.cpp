@@ -19,11 +19,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double mm = 1e-3;
-constexpr int default_cells = 20;       // along the longest side of a solid
-constexpr double near_share = 0.01;     // of the smaller solid's longest side: faces this near to each other may touch
-constexpr double max_facing_cosine = -0.5;   // cosine between the normals of faces that face each other
-constexpr double min_share = 1e-3;    // of the smaller face: what lies less near than this touches along an edge only
-constexpr double cells_through = 3;     // the thinnest side of a solid, if that does not take too many cells
+constexpr int default_cells = 20;    // along the longest side of a solid
+constexpr double near_share = 0.01;  // of the smaller solid's longest side: faces this near to each other may touch
+constexpr double max_facing_cosine = -0.5;  // cosine between the normals of faces that face each other
+constexpr double min_share = 1e-3;     // of the smaller face: what lies less near than this touches along an edge only
+constexpr double cells_through = 3;    // the thinnest side of a solid, if that does not take too many cells
 constexpr double max_cells = 60000;    // of a solid
 constexpr std::size_t max_lines = 24;  // of faces of a solid
 constexpr std::size_t longest_word = 80;  // of a name of a scene, which may be a little longer
@@ -72,13 +72,13 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
       constexpr int n = 4;
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j) {
-          const CurvedPlace place = from_body.surface().curved.place(t, (i + 1.0 / 3) / n, (j + 1.0 / 3) / n);
-          const TriangleSurface::Foot foot = to.nearest(place.x, -1, limit);
+          const CurvedPoint sample = from_body.surface().curved.point_at(t, (i + 1.0 / 3) / n, (j + 1.0 / 3) / n);
+          const TriangleSurface::Foot foot = to.nearest(sample.x, -1, limit);
           if (foot.triangle < 0 || from.normal(t).dot(to.normal(foot.triangle)) > max_facing_cosine) continue;
           const int face = to.patch(foot.triangle);
           areas[{from.patch(t), face}] += 2 * area_of(from, t) / (n * (n + 1));
-          const Surface there = to_body.surfaces()[face].near(place.x);
-          touching.nearest = std::min(touching.nearest, (place.x - there.point).dot(there.direction));
+          const Surface there = to_body.surfaces()[face].near(sample.x);
+          touching.nearest = std::min(touching.nearest, (sample.x - there.point).dot(there.direction));
         }
     }
     for (const auto& [pair, area] : areas) {

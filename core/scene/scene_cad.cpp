@@ -201,12 +201,12 @@ class FaceSelector {
 };
 
 /// The solid with the names of its faces: "faceN", that of the file, those declared; the list of all in `known`.
-CadModel name_cad_faces(const TomlCursor& node, const std::string& part, const CadModel& model, double scale,
+CadModel name_cad_faces(const TomlCursor& node, const std::string& primitive, const CadModel& model, double scale,
                         std::vector<std::string>& known) {
   std::vector<std::vector<std::string>> names(model.faces().size());
   std::set<std::string> seen;
   const auto add = [&](std::size_t face, const std::string& name) {
-    names[face].insert(names[face].begin(), part + "." + name);  // what it is called most specially comes first
+    names[face].insert(names[face].begin(), primitive + "." + name);  // what it is called most specially comes first
     if (seen.insert(name).second) known.push_back(name);
   };
   for (std::size_t f = 0; f < names.size(); ++f) add(f, fmt::format("face{}", f + 1));

@@ -52,10 +52,10 @@ TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup&
     growth.seed = seed->vector("m");
   } else {
     const int wanted = triangle->integer(1, 2000000000);
-    const auto place =
+    const auto found =
         soup.number.empty() ? soup.number.end() : std::find(soup.number.begin(), soup.number.end(), wanted);
     const std::size_t index = soup.number.empty() ? static_cast<std::size_t>(wanted) - 1
-                                                  : static_cast<std::size_t>(place - soup.number.begin());
+                                                  : static_cast<std::size_t>(found - soup.number.begin());
     if (index >= soup.triangles.size())
       triangle->fail("there is no such triangle on the surface", fmt::format("1 to {}", soup.triangles.size()));
     const Triangle& t = soup.triangles[index];
@@ -82,7 +82,7 @@ std::string read_group(const TomlCursor& node, const TriangleSoup& soup) {
 TriangleSelector read_selector(const TomlCursor& node, const TriangleSoup& soup) {
   node.expect_keys({"name", "group", "normal", "box", "plane", "smooth"});
   TriangleSelector selector;
-  selector.place = node.place();
+  selector.location = node.location();
   selector.name = read_name(node.at("name", "a name"));
   if (const auto normal = node.find("normal")) {
     normal->expect_keys({"axis", "angle"});
@@ -156,7 +156,7 @@ BodySurface read_body_surface(const std::string& file, double scale, bool repair
   surface.repair =
       std::make_shared<const RepairedSurface>(RepairedSurface{file, done.text(), surface.soup, done.is_new});
   try {
-    surface.repairs = check_parted(surface.soup, file);
+    surface.repairs = check_separated(surface.soup, file);
   } catch (const InputError& error) {
     throw InputError(std::string(error.what()) + "; that is what repair = true has left (" + done.text() + ")");
   }

@@ -23,7 +23,7 @@ struct Override {
   std::string value;               ///< TOML or bare text
 
   [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& allowed) const {
-    throw InputError(SourcePlace{source, 0, key}, "", problem, allowed);
+    throw InputError(SourceLocation{source, 0, key}, "", problem, allowed);
   }
 };
 
@@ -84,7 +84,7 @@ toml::table parse_value(const std::string& value, const std::string& source) {
   try {
     return toml::parse(std::string_view("value = \"" + escaped + "\""), path);
   } catch (const toml::parse_error& error) {
-    throw InputError(SourcePlace{source, 0, ""}, "", std::string(error.description()));
+    throw InputError(SourceLocation{source, 0, ""}, "", std::string(error.description()));
   }
 }
 

@@ -12,8 +12,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int max_points = 100000;                             // of a probe
-constexpr int max_points_of_all = 1000000;                     // of all probes: each is looked for in every body
+constexpr int max_points = 100000;                            // of a probe
+constexpr int max_points_of_all = 1000000;                    // of all probes: each is looked for in every body
 constexpr std::size_t max_probes = 1000, max_sections = 100;  // each has a picture
 
 /// The elements of a list that the scene may have, not too many.
@@ -101,7 +101,7 @@ void SceneReader::find_outside(const TomlCursor& node, ProbeSpec& probe) const {
 ProbeSpec SceneReader::read_probe(const TomlCursor& node) const {
   node.expect_keys({"name", "point", "line", "circle", "face", "body", "fields"});
   ProbeSpec probe;
-  probe.place = node.place();
+  probe.location = node.location();
   probe.name = read_name(node.at("name", "a name"));
   if (const auto body = node.find("body")) probe.body = body->one_of(body_names());
   const auto fields = node.find("fields");
@@ -154,7 +154,7 @@ void SceneReader::read_probes(const TomlCursor& root) {
 SectionSpec SceneReader::read_section(const TomlCursor& node) const {
   node.expect_keys({"name", "point", "normal", "field"});
   SectionSpec section;
-  section.place = node.place();
+  section.location = node.location();
   section.name = read_name(node.at("name", "a name"));
   section.point = node.at("point", "[x, y, z], m").vector("m");
   section.normal = node.at("normal", "[x, y, z]").direction();

@@ -84,22 +84,22 @@ double read_target(const TomlCursor& node) {
   const std::size_t sign = text.find_last_not_of(" \t");
   if (sign == std::string::npos || text[sign] != '%') return node.number(range);
   text.resize(sign);
-  const Quantity per_cent = evaluate_constant(text, node.place(), node.text().parameters);
-  const double value = value_in({}, per_cent, node.place(), node.value(), range.text) / 100;
+  const Quantity per_cent = evaluate_constant(text, node.location(), node.text().parameters);
+  const double value = value_in({}, per_cent, node.location(), node.value(), range.text) / 100;
   if (!range.contains(value)) node.fail("out of range", range.text);
   return value;
 }
 
 namespace {
 
-/// Reads the target of the largest displacement, or place = target: a face, a probe or "largest".
+/// Reads the target of the largest displacement, or name = target: a face, a probe or "largest".
 std::vector<NamedTarget> read_displacement_targets(const TomlCursor& node) {
   std::vector<NamedTarget> targets;
   if (!node.is_table())
     targets.push_back({NamedTarget::Kind::displacement, "largest", read_target(node)});
   else
-    for (const auto& [place, target] : node.entries())
-      targets.push_back({NamedTarget::Kind::displacement, place, read_target(target)});
+    for (const auto& [name, target] : node.entries())
+      targets.push_back({NamedTarget::Kind::displacement, name, read_target(target)});
   if (targets.empty()) node.fail("names no place", "\"1 %\", or {\"body.face\" = \"1 %\", probe = \"1 %\", ...}");
   return targets;
 }

@@ -207,8 +207,8 @@ double cell_size_for(const PartOutline& part, double cells) {
   return two_digits(std::max(h, std::sqrt(part.area / 2 / (2 * max_cells))));
 }
 
-/// Places the plate over the top of the part; `least`: half of its width, thickness (m).
-void place_plate(const PartOutline& part, double min_half, double min_thickness, Layout& layout) {
+/// Positions the plate over the top of the part; `least`: half of its width, thickness (m).
+void position_plate(const PartOutline& part, double min_half, double min_thickness, Layout& layout) {
   const PartEnd& top = part.top;
   const Vec3 extent = part.max - part.min, center = (top.min + top.max) / 2;
   const double narrowest = std::min(extent[0], extent[1]);
@@ -223,10 +223,10 @@ Layout lay_out_cells(const PartOutline& part, double cells) {
   constexpr double plate_cells_through = 4, max_plate_cells_across = 60;
   Layout layout;
   const double h = layout.cell_size = cell_size_for(part, cells);
-  place_plate(part, 3 * h, 0, layout);
+  position_plate(part, 3 * h, 0, layout);
   const Vec3 size = layout.plate_max - layout.plate_min;
   layout.plate_cell = std::max(0.8 * h, std::max(size[0], size[1]) / max_plate_cells_across);
-  place_plate(part, 3 * h, plate_cells_through * layout.plate_cell, layout);
+  position_plate(part, 3 * h, plate_cells_through * layout.plate_cell, layout);
 
   // Others than flat ones: so far that the planes would cut out some six cells across; a contact zone is 0.7 of that.
   const double height = part.max[2] - part.min[2], most = std::max(max_strain * height, 0.6 * h);
@@ -244,10 +244,10 @@ Layout lay_out(const PartOutline& part) {
   // radius of a tenth of its own and a pressure of E/30. Facets are steep at once, so that 0.15 does not count below
   // `least`.
   constexpr double least = 0.04, most = 0.1, steep = 0.15, too_steep = 0.3;
-  constexpr double min_fraction = 1e-4;       // of the most that the plate may come down
+  constexpr double min_fraction = 1e-4;        // of the most that the plate may come down
   constexpr double long_compactness = 0.0125;  // area over the rim squared: some 17 times as long as wide
   Layout layout;
-  place_plate(part, 0, 0, layout);
+  position_plate(part, 0, 0, layout);
   const Vec3 extent = part.max - part.min;
   const double side = extent.minCoeff(), max_push = max_strain * extent[2];
   const auto is_enough = [&](double push, const PartCut& cut) {
@@ -278,8 +278,8 @@ std::string face_lines(const PartOutline& part) {
   constexpr std::size_t max_lines = 20;
   const double size = (part.max - part.min).maxCoeff();
   std::string text;
-  for (std::size_t k = 0; k < std::min(part.parts.size(), max_lines); ++k) {
-    const SmoothPart& face = part.parts[k];
+  for (std::size_t k = 0; k < std::min(part.regions.size(), max_lines); ++k) {
+    const SmoothRegion& face = part.regions[k];
     const std::string shape = face.normal.isZero()
                                   ? "closed"
                                   : fmt::format("{}, normal{} {}", face.flat ? "flat" : "curved",
@@ -287,8 +287,8 @@ std::string face_lines(const PartOutline& part) {
     text += fmt::format("#  {{name = \"face{}\", smooth = {{seed = {}, angle = 30}}}},   # {:.4g} m^2, {}\n", k + 1,
                         vector(face.seed, size), face.area, shape);
   }
-  if (part.parts.size() > max_lines)
-    text += fmt::format("#  ... and {} smaller ones\n", part.parts.size() - max_lines);
+  if (part.regions.size() > max_lines)
+    text += fmt::format("#  ... and {} smaller ones\n", part.regions.size() - max_lines);
   return text;
 }
 
@@ -383,7 +383,7 @@ std::string scene_of_part(const Part& given, std::optional<double> cells, const 
   told += fmt::format("{}; the part has {} smooth face{}\n",
                       cells ? fmt::format("cells of {:.3g} m", layout.cell_size)
                             : fmt::format("{} to 5 %", part.top.flat ? "force" : "pressure"),
-                      part.parts.size(), part.parts.size() == 1 ? "" : "s");
+                      part.regions.size(), part.regions.size() == 1 ? "" : "s");
   return fmt::format(
       part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", comment_word(file)),
       fmt::arg("turn", rotation_line(part.turn)), fmt::arg("shape", given.shape),

@@ -20,7 +20,7 @@ std::vector<Setting> AccuracyOptions::settings() {
           method_constant("energy_aim", energy_aim, Range::fraction()),
           method_constant("least_change", min_change, Range::from_to(1, 100, "1 to 100")),
           method_constant("most_change", max_change, Range::from_to(1, 100, "1 to 100")),
-          method_constant("force_part", force_part, Range::fraction()),
+          method_constant("force_part", force_fraction, Range::fraction()),
           method_constant("energy_grading", energy_grading, Range::from_to(0.05, 1, "0.05 to 1")),
           method_constant("near_gap", near_gap, Range::fraction())};
 }

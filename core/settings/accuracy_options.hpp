@@ -63,7 +63,7 @@ struct AccuracyOptions {
   /// Size changes at least and at most by these factors from one solve to the next.
   double min_change = 1.4, max_change = 8;
   /// Fraction of the target of the pressure that the force's error may take.
-  double force_part = 0.7;
+  double force_fraction = 0.7;
   /// Fraction of what the targets allow that the next grid aims at for the energy norm.
   double energy_aim = 0.9;
   /// Growth of cells with the distance from those that the energy norm's error asks for.

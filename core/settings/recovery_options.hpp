@@ -48,7 +48,7 @@ struct RecoveryOptions {
 
   /// Fraction of rank_tolerance for degree 2 and for bodies of revolution: the rows of the curvature of a traction, and
   /// those by which the stress turns about the axis, are weak ones although not redundant (docs/recovery.md).
-  double weak_rank_part = 0.1;
+  double weak_rank_fraction = 0.1;
   /// A patch counts as closed when at least this fraction of its contact area is (one of four equal cells: whatever the
   /// rounding). Paper's scene, mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159
   /// .080 .038, a quarter .149 .067 .035, half .216 .097 .041.
@@ -69,7 +69,7 @@ struct RecoveryOptions {
   BalanceOptions balance = {};
 
   double rank_tolerance_of(int of_degree, bool of_revolution = false) const {
-    return of_degree == 1 && !of_revolution ? rank_tolerance : weak_rank_part * rank_tolerance;
+    return of_degree == 1 && !of_revolution ? rank_tolerance : weak_rank_fraction * rank_tolerance;
   }
 
   std::vector<Setting> settings();

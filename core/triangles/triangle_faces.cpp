@@ -84,14 +84,14 @@ NamedTriangles name_faces(const TriangleSoup& soup, const std::string& part,
     for (std::size_t t = 0; t < selected.size(); ++t) {
       if (!selected[t]) continue;
       if (result.face[t] >= 0)
-        throw InputError(selector.place, "\"" + selector.name + "\"",
+        throw InputError(selector.location, "\"" + selector.name + "\"",
                          "overlaps the face \"" + selectors[result.face[t]].name + "\": both select " +
-                             soup.place(static_cast<int>(t)),
+                             soup.location(static_cast<int>(t)),
                          "faces of a mesh have no triangle in common");
       result.face[t] = number;
     }
     if (std::find(selected.begin(), selected.end(), 1) == selected.end())
-      throw InputError(selector.place, "\"" + selector.name + "\"", "the face selects no triangle",
+      throw InputError(selector.location, "\"" + selector.name + "\"", "the face selects no triangle",
                        "triangles that meet all selectors given");
     result.names.push_back(part + "." + selector.name);
   }

@@ -26,7 +26,7 @@ constexpr std::uintmax_t max_file_bytes = 20'000'000'000;
 constexpr std::size_t stl_header = 84, stl_facet = 50;
 
 [[noreturn]] void fail(const std::string& file, int line, const std::string& problem, const std::string& allowed = {}) {
-  throw InputError(SourcePlace{file, line, ""}, "", problem, allowed);
+  throw InputError(SourceLocation{file, line, ""}, "", problem, allowed);
 }
 
 std::string read_bytes(const std::string& file) {
@@ -133,13 +133,13 @@ class GroupReader {
 void add_polygon(const std::string& file, const std::vector<int>& corners, int number, int line, TriangleSoup& soup) {
   const std::string where = fmt::format("face {}", number);
   if (corners.size() < 3) fail(file, line, where + " has fewer than three corners");
-  std::vector<Vec3> places;
+  std::vector<Vec3> positions;
   for (const int c : corners) {
     if (c < 0 || c >= static_cast<int>(soup.points.size()))
       fail(file, line, fmt::format("{} refers to vertex {} of {}", where, c + 1, soup.points.size()));
-    places.push_back(soup.points[c]);
+    positions.push_back(soup.points[c]);
   }
-  const std::vector<Triangle> triangles = polygon_triangles(places);
+  const std::vector<Triangle> triangles = polygon_triangles(positions);
   if (triangles.empty())
     fail(file, line, where + " crosses itself or has no area", "simple polygons; triangles are best");
   for (const Triangle& t : triangles) {

@@ -40,20 +40,20 @@ class FitDispatch {
           largest = patches[i].num_rows > largest ? patches[i].num_rows : largest;
         },
         Kokkos::Max<int>(most));
-    const Numbers place("cgcontact::batched_fit::place", most + 1);
+    const Numbers offset("cgcontact::batched_fit::place", most + 1);
     Kokkos::parallel_for(
         "cgcontact::batched_fit::count_rows", Kokkos::RangePolicy<Exec>(exec_, 0, n),
-        KOKKOS_LAMBDA(const int i) { Kokkos::atomic_increment(&place(patches[i].num_rows)); });
+        KOKKOS_LAMBDA(const int i) { Kokkos::atomic_increment(&offset(patches[i].num_rows)); });
     Kokkos::parallel_scan(
         "cgcontact::batched_fit::places", Kokkos::RangePolicy<Exec>(exec_, 0, most + 1),
         KOKKOS_LAMBDA(const int rows, int& sum, const bool is_final) {
-          const int count = place(rows);
-          if (is_final) place(rows) = sum;
+          const int count = offset(rows);
+          if (is_final) offset(rows) = sum;
           sum += count;
         });
     Kokkos::parallel_for(
         "cgcontact::batched_fit::sort", Kokkos::RangePolicy<Exec>(exec_, 0, n),
-        KOKKOS_LAMBDA(const int i) { order(Kokkos::atomic_fetch_add(&place(patches[i].num_rows), 1)) = i; });
+        KOKKOS_LAMBDA(const int i) { order(Kokkos::atomic_fetch_add(&offset(patches[i].num_rows), 1)) = i; });
     return most;
   }
 

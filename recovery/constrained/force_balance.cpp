@@ -122,13 +122,13 @@ class PairFace {
       for (int a = 0; a < 8; ++a)
         each_master(mesh_, mesh_.cell_nodes[cell][a] - mesh_.first_node, [&](int node, double weight) {
           const int number = add_node(node);
-          const auto place = std::find(latest_.number.begin(), latest_.number.end(), number);
-          shares_.push_back({a, static_cast<int>(place - latest_.number.begin()), weight});
-          if (place == latest_.number.end()) latest_.number.push_back(number);
+          const auto slot = std::find(latest_.number.begin(), latest_.number.end(), number);
+          shares_.push_back({a, static_cast<int>(slot - latest_.number.begin()), weight});
+          if (slot == latest_.number.end()) latest_.number.push_back(number);
         });
     }
     latest_.N.assign(latest_.size(), 0.0);
-    for (const Share& share : shares_) latest_.N[share.place] += share.weight * N[share.corner];
+    for (const Share& share : shares_) latest_.N[share.slot] += share.weight * N[share.corner];
     return latest_;
   }
 
@@ -237,11 +237,11 @@ class PairFace {
       next.assign(nodes.size(), 0.0);
       each_product(all, [&](int m, int n, double mass) {
         if (moving[n] == 0 || (to_marked[n] > 0 && !marked[m])) return;
-        const double part = mass / (to_marked[n] > 0 ? to_marked[n] : sum[n]) * moving[n];
+        const double share = mass / (to_marked[n] > 0 ? to_marked[n] : sum[n]) * moving[n];
         if (marked[m])
-          force[m] += part;
+          force[m] += share;
         else if (!blocked[m])
-          next[m] += part;
+          next[m] += share;
       });
       moving.swap(next);
     }
@@ -278,7 +278,7 @@ class PairFace {
   };
   /// Share of a corner's shape function that counts to a node of `latest_`.
   struct Share {
-    int corner, place;
+    int corner, slot;
     double weight;
   };
 
@@ -368,8 +368,9 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   for (std::size_t n = 0; n < size; ++n) {
     const double pressure = pressed[n] ? face.pressure_of(force[n], static_cast<int>(n)) : 0.0;
     const double exact = options.mean_exact, wrong = options.mean_wrong;
-    const double part = std::clamp((std::abs(pressure) - exact * level[n]) / ((wrong - exact) * level[n]), 0.0, 1.0);
-    step[n] = pressure == 0 ? 0.0 : part * pressure;
+    const double fraction =
+        std::clamp((std::abs(pressure) - exact * level[n]) / ((wrong - exact) * level[n]), 0.0, 1.0);
+    step[n] = pressure == 0 ? 0.0 : fraction * pressure;
   }
   add(step);
   if (!one_sign) return added;
@@ -383,8 +384,8 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   }
   const double off = transmitted - carried;
   if (std::abs(off) > std::abs(transmitted - plain) + options.total_exact * std::abs(transmitted) && carrying > 0) {
-    const double part = std::clamp(off / carrying, -options.mean_wrong, options.mean_wrong);
-    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? part * level[n] : 0.0;
+    const double fraction = std::clamp(off / carrying, -options.mean_wrong, options.mean_wrong);
+    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? fraction * level[n] : 0.0;
     add(step);
   }
   return added;

@@ -16,14 +16,14 @@ namespace {
 constexpr int max_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
 /// Returns whether there are active cells at the position of a cell, whatever their size.
-bool is_occupied(const CutCells& cc, const CellPlace& place) {
+bool is_occupied(const CutCells& cc, const CellIndex& index) {
   bool found = false;
-  each_cell_at(cc, place, [&](int) { found = true; });
+  each_cell_at(cc, index, [&](int) { found = true; });
   return found;
 }
 
 /// Cells of a body from the given one on along an axis of its grid, without that one; at most `limit`.
-int cells_beyond(const CutCells& cc, CellPlace c, int axis, int side, int limit) {
+int cells_beyond(const CutCells& cc, CellIndex c, int axis, int side, int limit) {
   int count = 0;
   while (count < limit) {
     c.cell[axis] += side;
@@ -34,7 +34,7 @@ int cells_beyond(const CutCells& cc, CellPlace c, int axis, int side, int limit)
 }
 
 /// In that direction of the grid that has the fewest; at most what max_rings need.
-int min_cells(const CutCells& cc, const CellPlace& c) {
+int min_cells(const CutCells& cc, const CellIndex& c) {
   int least = 4 * max_rings;
   for (int axis = 0; axis < 3; ++axis) {
     const int before = cells_beyond(cc, c, axis, -1, least);
@@ -74,7 +74,7 @@ int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
 
 /// Seen from the fullest cell beside the given one; outward: the normal, in grid axes.
 CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward, const Vec3& middle) {
-  CellPlace c{cc.level(cell), cc.cells[fullest_beside(cc, cell, middle)]};
+  CellIndex c{cc.level(cell), cc.cells[fullest_beside(cc, cell, middle)]};
   CellsAcross across;
   across.at_face = static_cast<char>(min_cells(cc, c));
   int axis = 0;

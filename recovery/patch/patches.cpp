@@ -39,7 +39,7 @@ MonomialMoments monomial_moments(const Moments& m) {
 class CornerCells {
  public:
   explicit CornerCells(const BodyMesh& mesh) : mesh_(mesh) {
-    if (mesh.parts.empty()) return;
+    if (mesh.level_meshes.empty()) return;
     begin_.assign(mesh.num_nodes + 1, 0);
     each_corner([&](int node, int) { ++begin_[node + 1]; });
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
@@ -55,10 +55,10 @@ class CornerCells {
       for (int i = begin_[node]; i < begin_[node + 1]; ++i) cells[count++] = cells_[i];
       return count;
     }
-    const Index3& place = mesh_.nodes[node];
+    const Index3& position = mesh_.nodes[node];
     for (int a = 0; a < 8; ++a) {
-      const int c =
-          mesh_.cut_cells->find({place[0] - 1 + (a & 1), place[1] - 1 + (a >> 1 & 1), place[2] - 1 + (a >> 2)});
+      const int c = mesh_.cut_cells->find(
+          {position[0] - 1 + (a & 1), position[1] - 1 + (a >> 1 & 1), position[2] - 1 + (a >> 2)});
       if (c >= 0) cells[count++] = c;
     }
     return count;
@@ -105,11 +105,11 @@ bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec
     for (int c : patch)
       for (int node : mesh.cell_nodes[c])
         each_master(mesh, node - mesh.first_node, [&](int m, double) {
-          const Vec3 place = mesh.node_position(m);
+          const Vec3 position = mesh.node_position(m);
           // Takes the nearest one of equals; of those the one towards the middle of the body, in its mirror image as
           // well.
-          const double away = ((place - middle).norm() - (own - middle).norm()) / unit;
-          const double score = corner_cells.volume_around(m) - 1e-3 * ((place - own).norm() / unit) - 1e-5 * away;
+          const double away = ((position - middle).norm() - (own - middle).norm()) / unit;
+          const double score = corner_cells.volume_around(m) - 1e-3 * ((position - own).norm() / unit) - 1e-5 * away;
           if (score > best * (1 + 1e-9)) best = score, anchor = m;
         });
     int around[8];

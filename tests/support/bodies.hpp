@@ -47,9 +47,9 @@ inline CutCells cut_refined(const Solid& solid, const Grid& grid, const Vec3& po
 template <class Field>
 RealView nodal_field(const ElasticSystem& system, const Field& field) {
   RealView u("u", system.num_dofs());
-  for (const BodyMesh* part : system.parts())
-    for (int n = 0; n < part->num_nodes; ++n) {
-      const BodyMesh& mesh = *part;
+  for (const BodyMesh* level : system.level_meshes())
+    for (int n = 0; n < level->num_nodes; ++n) {
+      const BodyMesh& mesh = *level;
       const Grid& grid = mesh.cut_cells->grid;
       const Vec3 value = grid.rotation.transpose() * field(grid.to_global(mesh.node_position(n)));
       for (int i = 0; i < 3; ++i) u(dof_of(mesh.first_node + n, i)) = value[i];

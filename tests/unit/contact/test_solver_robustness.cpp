@@ -23,7 +23,7 @@ Scene scene_of(const std::string& name, int n) {
 /// Solves; `what` names the line of the table. 1000: not converged.
 int iterations(const Scene& scene, const std::string& what, double tolerance = 1e-8) {
   Simulation sim(scene);
-  sim.place_on_grids();
+  sim.set_up_grids();
   sim.make_system();
   set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
   LinearSolver solver(ExecSpace(), sim.state.system, Preconditioner::multigrid);
@@ -50,12 +50,12 @@ void expect_flat(const std::string& scene, const std::vector<int>& refinements) 
   for (int count : counts) EXPECT_LE(std::abs(count - counts[counts.size() / 2]), 2);
 }
 
-/// MueLu in the place of multigrid, in a solver that is already set up: the same solution, once. The outer iteration
+/// MueLu instead of multigrid, in a solver that is already set up: the same solution, once. The outer iteration
 /// does this where multigrid throws.
 TEST(SolverRobustness, FallBack) {
   const Scene scene = scene_of("two_solids_3d", 8);
   Simulation sim(scene);
-  sim.place_on_grids();
+  sim.set_up_grids();
   sim.make_system();
   set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
   LinearSolver solver(ExecSpace(), sim.state.system, Preconditioner::multigrid);

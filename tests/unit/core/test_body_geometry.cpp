@@ -78,7 +78,7 @@ TEST(BodyGeometry, ABallOfTheThirdKindIsTheBallOfTheFirst) {
   EXPECT_NEAR(a.cut_cells, b.cut_cells, 0.1 * b.cut_cells);
 }
 
-// A body that sticks out of its grid is estimated by what is inside, whole coarse cells or parts of them; the cells
+// A body that sticks out of its grid is estimated by what is inside, whole coarse cells or fractions of them; the cells
 // that are made afterwards refuse it.
 TEST(BodyGeometry, AnEstimateOfABodyThatSticksOut) {
   Grid grid;

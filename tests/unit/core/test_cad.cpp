@@ -1,4 +1,4 @@
-// Bodies from CAD files: cells and boundary are those of the exact surfaces; files, names, units, places, booleans.
+// Bodies from CAD files: cells and boundary are those of the exact surfaces; files, names, units, placements, booleans.
 #include <unistd.h>
 
 #include <filesystem>
@@ -239,7 +239,7 @@ TEST_F(Cad, BooleansWithPrimitives) {
       InputError);
 }
 
-// Proves that an assembly in inches comes with its places, names, repeated parts and colours.
+// Proves that an assembly in inches comes with its placements, names, repeated parts and colours.
 TEST_F(Cad, AssemblyInInches) {
   const std::vector<CadSolid> solids = read_cad(file("assembly.step"), {});
   ASSERT_EQ(solids.size(), 3u);
@@ -433,8 +433,8 @@ TEST_F(Cad, ToriOfAScene) {
       {"shape.toml:5: body[0].shape.torus.tube_radius = \"2 m\": is not less than ring_radius", "< 1 m"});
 }
 
-// Proves that faces are found by number, name, colour, kind and size, normal and place, and that what selects nothing
-// is refused with what there is.
+// Proves that faces are found by number, name, colour, kind and size, normal and position, and that what selects
+// nothing is refused with what there is.
 TEST_F(Cad, FacesOfAScene) {
   const auto area = [&](const std::string& cad, const std::string& face) {
     const Scene scene = scene_of(folder_.string(), cad, face);

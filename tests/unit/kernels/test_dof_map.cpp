@@ -108,8 +108,8 @@ TEST(DofMap, ConstraintsAreAdjoint) {
   }
 }
 
-/// Nodes that equal one master of their own, or one that others depend on as well, or that are but part of a sum; with
-/// degrees of freedom that are zero.
+/// Nodes that equal one master of their own, or one that others depend on as well, or that are but one term of a sum;
+/// with degrees of freedom that are zero.
 TEST(DofMap, AcrossNodesAndZerosAreAdjoint) {
   const std::vector<NodeConstraint> constraints{
       {1, {{0, 1.0}}}, {3, {{2, 1.0}}}, {4, {{2, 0.5}, {5, 0.5}}}, {7, {{6, 1.0}, {8, 0.5}}}, {9, {{8, 1.0}}}};

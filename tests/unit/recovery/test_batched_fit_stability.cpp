@@ -3,7 +3,7 @@
 ///
 /// Notation: patch norm |x|^2 = x . M x; rows C of unit length in that norm; sigma: their singular values, the largest
 /// at least 1; tau: the relative tolerance. With P the projector onto the singular vectors that are kept,
-///   a - a0 = P-part of the pseudo-inverse applied to the defect of a0, hence |a - a0| <= |defect| / (tau sigma_max);
+///   a - a0 = P pseudo-inverse(defect of a0), hence |a - a0| <= |defect| / (tau sigma_max);
 ///   for any field x, whose rows miss the data by delta:  a - x = (1 - P)(a0 - x) + pseudo-inverse(delta), hence
 ///   |a - x| <= |a0 - x| + |delta| / (tau sigma_max):
 /// if the data belong to the exact field, the constrained fit is never farther from it than the unconstrained one.
@@ -32,7 +32,8 @@ test::Shape random_shape(test::Generator& g) {
   return shape;
 }
 
-/// Smallest eigenvalue of the mass matrices with unit diagonal: a pivot of Cholesky is no smaller a part of its entry.
+/// Smallest eigenvalue of the mass matrices with unit diagonal: a pivot of Cholesky is at least that fraction
+/// of its entry.
 double min_scaled_eigenvalue(const Eigen::MatrixXd& M) {
   const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * M * scale.asDiagonal(),

@@ -95,7 +95,7 @@ struct Recovered {
     return true;
   }
 
-  /// max_lowered_fraction: part of the boundary points next to patches that had to be lowered, which are left out.
+  /// max_lowered_fraction: fraction of the boundary points next to patches that had to be lowered, which are left out.
   void expect_exact(int degree, double max_lowered_fraction = 0.1) const {
     double largest = 0, worst = 0, worst_node = 0;
     int skipped = 0;
@@ -123,7 +123,7 @@ struct Recovered {
     // data at some nodes (2 of the box).
     long long conflicting = counts.statuses[static_cast<int>(PatchStatus::conflicting)];
     for (int n = 0; n < mesh.num_nodes; ++n)
-      if (degree == 2 && !mesh.parts.empty() && mesh.is_free(n) && !is_quadratic_at(n) &&
+      if (degree == 2 && !mesh.level_meshes.empty() && mesh.is_free(n) && !is_quadratic_at(n) &&
           states.status[n] == PatchStatus::conflicting)
         --conflicting;
     EXPECT_EQ(conflicting, 0);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/cells/cells_around.hpp"
-#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/boundary_facets.hpp"
 #include "recovery/constrained/divergence.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/error/error_estimate.hpp"
@@ -147,14 +147,14 @@ TEST(PlainReferences, InteriorFit) {
   Coefficients none;
   EXPECT_THROW(plain.at(beside.number(0), none.data()), std::logic_error);
 
-  RecoveredField stored = part_of(c.field, beside);
+  RecoveredField stored = restricted_field(c.field, beside);
   stored.interior = std::make_shared<InteriorFit>(plain);
   const Scales scales{0.5, 2};
   const EnergySums whole = estimate_error(c.mesh, scales, c.field, c.u, nullptr),
                    made = estimate_error(c.mesh, scales, stored, c.u, nullptr);
   EXPECT_EQ(whole.error, made.error);
   EXPECT_EQ(whole.error_of_cell, made.error_of_cell);
-  const RecoveredField copy = part_of(stored, Subset(c.mesh.num_nodes));
+  const RecoveredField copy = restricted_field(stored, Subset(c.mesh.num_nodes));
   const double corner[3] = {1, -1, 1}, middle[3] = {0.2, -0.3, 0.7};
   for (int cell = 0; cell < c.cells.size(); ++cell)
     for (const double* xi : {corner, middle}) {
@@ -255,12 +255,12 @@ TEST(PlainReferences, ConstraintGroups) {
   boundary.condition_of_point.assign(c.cc.boundary.size(), 0);
   boundary.pair_of_point.assign(c.cc.boundary.size(), -1);
   for (std::size_t p = 0; p < c.cc.boundary.size(); p += 2) boundary.condition_of_point[p] = 1;
-  const BoundaryPieces pieces(c.cc, boundary);
+  const BoundaryFacets facets(c.cc, boundary);
   int threes = 0;
   for (int n = 0; n < c.mesh.num_nodes; ++n) {
     const int* cells = c.patches.cells.data() + c.patches.begin[n];
     const int num_cells = c.patches.begin[n + 1] - c.patches.begin[n];
-    for (const ConstraintGroup& group : pieces.groups(cells, num_cells)) {
+    for (const ConstraintGroup& group : facets.groups(cells, num_cells)) {
       double area = 0;
       Vec3 centroid = Vec3::Zero(), mean = Vec3::Zero();
       Mat3 second = Mat3::Zero(), of_points = Mat3::Zero();
@@ -301,12 +301,12 @@ TEST(PlainReferences, GroupsOfRoughSurfacesAreBounded) {
   BoundaryData boundary;
   boundary.condition_of_point.assign(cells.boundary.size(), 0);
   boundary.pair_of_point.assign(cells.boundary.size(), -1);
-  const BoundaryPieces pieces(cells, boundary);
+  const BoundaryFacets facets(cells, boundary);
   std::vector<double> area(cells.cells.size(), 0);
   for (std::size_t p = 0; p < cells.boundary.size(); ++p) area[cells.boundary.cell[p]] += cells.boundary.weight[p];
   for (int c = 0; c < static_cast<int>(cells.cells.size()); ++c) {
     double of_groups = 0;
-    const std::vector<ConstraintGroup> groups = pieces.groups(&c, 1, 2);
+    const std::vector<ConstraintGroup> groups = facets.groups(&c, 1, 2);
     EXPECT_LE(groups.size(), 16u);
     for (const ConstraintGroup& group : groups) of_groups += group.area;
     EXPECT_NEAR(of_groups, area[c], 1e-12);

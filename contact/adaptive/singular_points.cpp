@@ -1,4 +1,4 @@
-#include "contact/adaptive/singular_places.hpp"
+#include "contact/adaptive/singular_points.hpp"
 
 #include <fmt/format.h>
 
@@ -175,14 +175,14 @@ bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
 }
 
 /// Without the ends of singular edges, where further faces meet them.
-std::vector<SingularPlace> without_ends(const std::vector<SingularPlace>& places) {
-  std::vector<SingularPlace> kept;
-  for (const SingularPlace& place : places) {
-    const bool is_end = std::any_of(places.begin(), places.end(), [&](const SingularPlace& edge) {
-      return edge.body == place.body && edge.faces.size() < place.faces.size() && !edge.faces.empty() &&
-             std::includes(place.faces.begin(), place.faces.end(), edge.faces.begin(), edge.faces.end());
+std::vector<SingularPoint> without_ends(const std::vector<SingularPoint>& points) {
+  std::vector<SingularPoint> kept;
+  for (const SingularPoint& point : points) {
+    const bool is_end = std::any_of(points.begin(), points.end(), [&](const SingularPoint& edge) {
+      return edge.body == point.body && edge.faces.size() < point.faces.size() && !edge.faces.empty() &&
+             std::includes(point.faces.begin(), point.faces.end(), edge.faces.begin(), edge.faces.end());
     });
-    if (!is_end) kept.push_back(place);
+    if (!is_end) kept.push_back(point);
   }
   return kept;
 }
@@ -207,40 +207,40 @@ std::vector<CellEnergies> cell_energies(const Results& results) {
   return all;
 }
 
-std::vector<SingularPlace> singular_places(const SolvedState& state,
+std::vector<SingularPoint> singular_points(const SolvedState& state,
                                            const std::vector<std::vector<CellEnergies>>& solves) {
-  std::vector<SingularPlace> places;
+  std::vector<SingularPoint> points;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     if (state.bodies[b].spec->rigid()) continue;
     const CellEnergies& last = solves.back()[b];
     for (const std::size_t c : candidates(last)) {
-      SingularPlace place;
-      place.x = last.x[c];
-      place.cell = last.h[c];
-      if (ball_at(last, place.x, ball * place.cell).relative_error() < min_error) continue;
-      if (fall_exponent(last, place.x, place.cell) < min_fall) continue;
-      const auto growth = growth_at(solves, b, place.x);
-      if (!growth || has_unseen_fillet(state.bodies[b], place.x, ball * growth->cell)) continue;
-      place.exponent = growth->exponent;
-      place.body = state.bodies[b].spec->name;
-      place.faces = faces_near(state, b, place.x, ball * place.cell);
-      const bool is_new = std::none_of(places.begin(), places.end(), [&](const SingularPlace& other) {
-        return other.body == place.body && other.faces == place.faces;
+      SingularPoint point;
+      point.x = last.x[c];
+      point.cell = last.h[c];
+      if (ball_at(last, point.x, ball * point.cell).relative_error() < min_error) continue;
+      if (fall_exponent(last, point.x, point.cell) < min_fall) continue;
+      const auto growth = growth_at(solves, b, point.x);
+      if (!growth || has_unseen_fillet(state.bodies[b], point.x, ball * growth->cell)) continue;
+      point.exponent = growth->exponent;
+      point.body = state.bodies[b].spec->name;
+      point.faces = faces_near(state, b, point.x, ball * point.cell);
+      const bool is_new = std::none_of(points.begin(), points.end(), [&](const SingularPoint& other) {
+        return other.body == point.body && other.faces == point.faces;
       });
-      if (is_new) places.push_back(place);
+      if (is_new) points.push_back(point);
     }
   }
-  return without_ends(places);
+  return without_ends(points);
 }
 
-std::string describe(const SingularPlace& place) {
-  const Vec3& x = place.x;
+std::string describe(const SingularPoint& point) {
+  const Vec3& x = point.x;
   std::string faces;
-  for (const std::string& face : place.faces) faces += fmt::format("{}\"{}\"", faces.empty() ? "" : ", ", face);
+  for (const std::string& face : point.faces) faces += fmt::format("{}\"{}\"", faces.empty() ? "" : ", ", face);
   return fmt::format(
       "body \"{}\": the stress at ({:.4g}, {:.4g}, {:.4g}) m{} has no finite value: from solve to solve it grows like "
       "h^-{:.2f} (cells of {:.2g} m now); a fillet, or a load or support that does not end there, would make it finite",
-      place.body, x[0], x[1], x[2], faces.empty() ? "" : " (faces " + faces + ")", place.exponent, place.cell);
+      point.body, x[0], x[1], x[2], faces.empty() ? "" : " (faces " + faces + ")", point.exponent, point.cell);
 }
 
 }  // namespace cgcontact
