@@ -465,7 +465,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
       sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_, displacement_errors_);
     else
       halve(sizes_);
-    simulation_->state.keep_fields_only();
+    simulation_->state.release_assembly_data();
   }
 } catch (const OutOfTime&) {
   figures_.text = fmt::format("accuracy.max_time = {:g} s stopped the refinement during solve {}",

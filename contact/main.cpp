@@ -80,7 +80,7 @@ int check(const Scene& given, const CommandLine& options) {
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
   const Scene scene = on_first_grids(given);
-  Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is still described
+  Preparation preparation = discretise(scene, false);  // a scene that nearly fits is still described
   CheckFiles drawn;
   if (!options.out.empty()) {  // before the checks: the picture shows what may be wrong
     progress.begin_phase("drawing");
@@ -89,7 +89,7 @@ int check(const Scene& given, const CommandLine& options) {
   progress.finish();
   for (const std::string& warning : drawn.warnings) fmt::print("warning: {}\n", warning);
   if (!options.out.empty()) fmt::print("drawn in {}: {}\n", options.out, fmt::join(drawn.names, ", "));
-  complete(scene, preparation);
+  validate(scene, preparation);
   if (scene.accuracy.any()) fmt::print("[accuracy]: these are the first grids, which a run refines\n");
   fmt::print("{}", describe(scene, preparation));
   if (options.settings) fmt::print("{}", describe_settings(scene));
@@ -129,7 +129,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   callbacks.load_step = [&](std::size_t number, const Results& step) { writer.add_step(number, step); };
   const auto write = [&](Simulation& simulation, const Scene& solved) {
     Results& results = simulation.results;
-    simulation.state.keep_fields_only();
+    simulation.state.release_assembly_data();
     progress.begin_phase("output");
     const ProfiledRegion region("output");
     results.command = command_text(argv);

@@ -77,7 +77,7 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
       coarse_.push_back({state.system.num_free_dofs(), state.outer.iterations, state.outer.converged});
       if (!state.outer.converged) return nullptr;
       next->simulation.recover();
-      next->simulation.state.keep_fields_only();
+      next->simulation.state.release_assembly_data();
     } catch (const InputError&) {  // of cells that the scene does not have
       return nullptr;
     }

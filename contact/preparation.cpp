@@ -128,7 +128,7 @@ void check_body_forces(const std::vector<BodyModel>& bodies) {
 /// contact force.
 void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) {
   const Reference reference(scene, scene.reference);
-  if (scene.late_reference || !reference.has_pressure()) return;
+  if (scene.reference_of_force || !reference.has_pressure()) return;
   for (const ContactPair& pair : pairs)
     for (const ContactPoint& point : pair.points) reference.pressure(point.x);
 }
@@ -176,7 +176,7 @@ void check_memory(const Scene& scene, const Preparation& preparation) {
   check_memory(scene, sizes, memory_extras(scene, preparation));
 }
 
-Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
+Preparation discretise(const Scene& scene, bool refuse_near_limit) {
   check_settings(scene);
   check_memory_early(scene, refuse_near_limit);
   Preparation p;
@@ -186,7 +186,7 @@ Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
   return p;
 }
 
-void complete(const Scene& scene, Preparation& preparation) {
+void validate(const Scene& scene, Preparation& preparation) {
   check_conditions(scene, preparation.bodies, preparation.pairs);
   check_supports_of_rigid_bodies(scene, preparation.bodies, preparation.supports);
   check_plane_strain(scene, preparation.bodies, preparation.supports, preparation.pairs);
@@ -203,8 +203,8 @@ void complete(const Scene& scene, Preparation& preparation) {
 }
 
 Preparation prepare(const Scene& scene, bool refuse_near_limit) {
-  Preparation preparation = lay_out(scene, refuse_near_limit);
-  complete(scene, preparation);
+  Preparation preparation = discretise(scene, refuse_near_limit);
+  validate(scene, preparation);
   return preparation;
 }
 

@@ -32,7 +32,7 @@
 #include "contact/results/spring_share.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
-#include "contact/solve/surface_wanderers.hpp"
+#include "contact/solve/tangential_drift.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
@@ -158,15 +158,15 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   for (std::size_t k = 0; k < steps.size();) {
     set_step(steps[k]);
     state.outer = solver->solve(progress.step);
-    if (state.outer.wanders) {
-      hold_wanderers();
+    if (state.outer.drifts) {
+      constrain_drift();
       auto held = make_solver();
-      if (!rubs()) held->take_over(*solver);
+      if (!rubs()) held->warm_start_from(*solver);
       solver = std::move(held);
       k = first_step_of_new_solver(k);
       continue;
     }
-    if (state.outer.converged && extensions < max_extensions && see_farther()) {
+    if (state.outer.converged && extensions < max_extensions && extend_contact_search()) {
       ++extensions;
       make_system();
       solver = make_solver();
@@ -187,10 +187,10 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       state.outer.diagnosis = "friction remembers the steps before, and one of them has no solution";
     }
     const std::string fault = state.outer.converged ? contact_fault(state) : "";
-    if (!not_held && state.outer.converged && lost_by_wandering(fault)) {
+    if (!not_held && state.outer.converged && lost_by_drift(fault)) {
       not_held = {state.outer, state.pairs};
       supports_not_held = state.supports.size();
-      hold_wanderers();
+      constrain_drift();
       solver = make_solver();
       k = first_step_of_new_solver(k);
       continue;
@@ -258,7 +258,7 @@ bool Simulation::tighten() {
 }
 
 /// New pairs, if faces have met that no pair saw.
-bool Simulation::see_farther() {
+bool Simulation::extend_contact_search() {
   const std::vector<double> reach = missed_contact(state);
   if (reach.empty()) return false;
   state.pairs = make_contact_pairs(state.scene, state.bodies, reach);
@@ -266,17 +266,17 @@ bool Simulation::see_farther() {
 }
 
 /// Bodies stay where they are along surfaces, as far as no load drives them.
-void Simulation::hold_wanderers() {
-  for (const SupportPoint& point : SurfaceWanderers(state.bodies, state.supports, state.pairs).hold(state.bodies))
+void Simulation::constrain_drift() {
+  for (const SupportPoint& point : TangentialDrift(state.bodies, state.supports, state.pairs).hold(state.bodies))
     state.supports.push_back(point);
   make_system();
 }
 
 /// Returns whether a body that nothing drives slid or spun along surfaces until its contact let go. Unlike exact
 /// contact, points of few cells push it along.
-bool Simulation::lost_by_wandering(const std::string& fault) const {
+bool Simulation::lost_by_drift(const std::string& fault) const {
   if (fault.empty() && contact_carries(state)) return false;
-  return SurfaceWanderers(state.bodies, state.supports, state.pairs).farthest(state.outer.body_motions) > at_rest;
+  return TangentialDrift(state.bodies, state.supports, state.pairs).farthest(state.outer.body_motions) > at_rest;
 }
 
 /// Figures of a step; the pairs of the last one are those of the results.
@@ -398,7 +398,7 @@ void Simulation::solve_faces() {
 void Simulation::choose_reference() {
   const double force =
       results.pairs.empty() ? 0 : state.bodies.front().slices * results.pairs.front().force_on_first.norm();
-  if (!state.scene.late_reference || force > 0) {
+  if (!state.scene.reference_of_force || force > 0) {
     try {
       state.reference = state.scene.reference_at(force);
       const Reference known(state.scene, state.reference);

@@ -54,9 +54,9 @@ class Simulation {
   void set_step(const StepSpec& step);
   bool rubs() const;
   std::size_t first_step_of_new_solver(std::size_t step);
-  bool see_farther();
-  void hold_wanderers();
-  bool lost_by_wandering(const std::string& fault) const;
+  bool extend_contact_search();
+  void constrain_drift();
+  bool lost_by_drift(const std::string& fault) const;
   void record_step(std::size_t number, const ProgressCallbacks& progress);
   void add_warning(const std::string& warning);
   bool tighten();

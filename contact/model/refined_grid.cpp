@@ -21,7 +21,7 @@ constexpr double too_large = 0.999;
 
 /// A divided cell that the body touches leaves at least so many cells more, some of its children being outside.
 constexpr double min_gain = 2, min_gain_in_plane = 1;
-/// Of memory that a cell takes at least (contact/model/memory.cpp).
+/// Memory that a cell takes at least (contact/model/memory.cpp).
 constexpr double min_bytes = 500;
 
 CellTree tree_of_sizes(const BodySpec& body, const BodyGeometry& geometry, const Grid& grid,

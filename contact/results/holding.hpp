@@ -1,4 +1,4 @@
-/// Motions that the scene leaves free are held (contact/motions, contact/solve/surface_wanderers.hpp): exact contact
+/// Motions that the scene leaves free are held (contact/motions, contact/solve/tangential_drift.hpp): exact contact
 /// does no work on them, so that what holds them takes no force. What it still takes is an error of the cells.
 #pragma once
 

@@ -56,7 +56,7 @@ void Iterate::forget() {
 }
 
 /// Supports that have been added come last.
-void Iterate::take_over(const Iterate& other) {
+void Iterate::warm_start_from(const Iterate& other) {
   Kokkos::deep_copy(u, other.u);
   body_motions.forget();
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
@@ -194,7 +194,7 @@ double Iterate::spring_force() const {
   return sum;
 }
 
-void Iterate::let_springs_follow() {
+void Iterate::update_spring_anchors() {
   const bool any =
       std::any_of(problem.supports.begin(), problem.supports.end(), [](const SupportPoint& p) { return p.follows; });
   if (!any) return;

@@ -23,7 +23,7 @@ struct Iterate {
   /// Resets displacement and stress to zero.
   void forget();
   /// Displacements and stresses of the same bodies and pairs, to which supports have been added.
-  void take_over(const Iterate& other);
+  void warm_start_from(const Iterate& other);
   /// Moves rigid motions from u into body_motions, with what follows for the gaps.
   void set_rigid_motions_aside();
 
@@ -61,7 +61,7 @@ struct Iterate {
   double spring_force() const;
   /// Moves their rest positions to where the motions are, or to where the steps of the last iterations tend to, body by
   /// body: each has a pace of its own.
-  void let_springs_follow();
+  void update_spring_anchors();
 
   OuterProblem problem;
   RealView u;  ///< without the rigid motions, Scales::length

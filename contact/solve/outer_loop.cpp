@@ -16,7 +16,7 @@
 #include "contact/solve/outer_start.hpp"
 #include "contact/solve/right_hand_side.hpp"
 #include "contact/solve/soft_contact.hpp"
-#include "contact/solve/surface_wanderers.hpp"
+#include "contact/solve/tangential_drift.hpp"
 #include "core/base/memory.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -28,14 +28,14 @@ namespace {
 constexpr double hardly_any_stiffness = 1e-3;
 /// Largest sliding of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most
 /// on the scenes of this repository, those that do not 4 to 400 (docs/decisions.md).
-constexpr double farthest_wandering = 3;
+constexpr double max_drift = 3;
 /// Fall of residuals below which, while no point changes, they may be the linear solve's error: the lagged stress
 /// contracts like 2.7 / kappa at worst. The next ones are solved `tighter`.
 constexpr double slow_fall = 0.5, tighter = 0.1;
-/// Iterations, and a residual, after which bodies that still wander by more than the third (cells) are held, if the
+/// Iterations, and a residual, after which bodies that still drift by more than the third (cells) are held, if the
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
-constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
+constexpr double nearly_converged = 1e-3, no_drift = 0.05;
 /// Relative change of the recovered stress below which closed points may slip (0.3 and 0.03 take as many iterations,
 /// docs/decisions.md).
 constexpr double sticks_until = 0.1;
@@ -60,9 +60,9 @@ struct ContactSolver::Impl {
   void take_turned_rows();
   void update_solver();
   LinearSolveResult solve_linear(double tolerance);
-  void take_over(const Impl& other);
-  bool wanders_far() const;
-  bool wanders_on(const std::vector<double>& residuals) const;
+  void warm_start_from(const Impl& other);
+  bool drift_exceeded() const;
+  bool keeps_drifting(const std::vector<double>& residuals) const;
   bool contact_holds_floating_bodies();
   bool balance_floating_bodies();
   void polish(OuterResult& result);
@@ -79,14 +79,14 @@ struct ContactSolver::Impl {
   Iterate now_;
   std::unique_ptr<LaggedStress> lagged_stress_;  // once the solver is set up, which takes most memory
   RightHandSide right_hand_side_;
-  std::vector<Vec3> load_of_body_;               // N
-  FreeMotions unbalanced_;                       // what the loads drive without end
-  bool warm_ = false;                            // whether there is a converged solution to start from
-  std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
-  bool has_support_terms_ = true;                // whether the system has the terms of the supports
-  std::string solver_error_;                     // of Trilinos, where it gave up
-  std::string why_fallback_;                     // what multigrid gave up with
-  int fallbacks_ = 0;                            // linear solves since then
+  std::vector<Vec3> load_of_body_;          // N
+  FreeMotions unbalanced_;                  // what the loads drive without end
+  bool warm_ = false;                       // whether there is a converged solution to start from
+  std::unique_ptr<TangentialDrift> drift_;  // where contact alone holds bodies
+  bool has_support_terms_ = true;           // whether the system has the terms of the supports
+  std::string solver_error_;                // of Trilinos, where it gave up
+  std::string why_fallback_;                // what multigrid gave up with
+  int fallbacks_ = 0;                       // linear solves since then
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
@@ -96,8 +96,7 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
               problem.scene.solver.method),
       now_(problem),
       right_hand_side_(problem) {
-  if (now_.floating.any())
-    wanderers_ = std::make_unique<SurfaceWanderers>(problem.bodies, problem.supports, problem.pairs);
+  if (now_.floating.any()) drift_ = std::make_unique<TangentialDrift>(problem.bodies, problem.supports, problem.pairs);
 }
 
 void ContactSolver::Impl::take_loads() {
@@ -165,9 +164,9 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       return stop(iteration, describe_separation(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()),
                   result);
     }
-    now_.let_springs_follow();
-    if (wanders_far()) {
-      result.wanders = true;
+    now_.update_spring_anchors();
+    if (drift_exceeded()) {
+      result.drifts = true;
       return result;
     }
     update_active_set(now_, iteration <= settings().last_small_zone_decision);
@@ -193,8 +192,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       result.converged = warm_ = true;
       return result;
     }
-    if (wanders_on(result.residuals)) {
-      result.wanders = warm_ = true;
+    if (keeps_drifting(result.residuals)) {
+      result.drifts = warm_ = true;
       return result;
     }
   }
@@ -235,21 +234,21 @@ bool ContactSolver::Impl::may_go_on(int iteration, const std::vector<double>& re
   return n > falls_in && residuals[n - 1] < falls_to * residuals[n - 1 - falls_in] && iteration <= longest * most;
 }
 
-bool ContactSolver::Impl::wanders_far() const {
-  return wanderers_ && wanderers_->farthest(now_.body_motions.of_bodies()) > farthest_wandering;
+bool ContactSolver::Impl::drift_exceeded() const {
+  return drift_ && drift_->farthest(now_.body_motions.of_bodies()) > max_drift;
 }
 
 /// Returns whether all else stands still, while bodies that soft springs follow do not come to rest.
-bool ContactSolver::Impl::wanders_on(const std::vector<double>& residuals) const {
+bool ContactSolver::Impl::keeps_drifting(const std::vector<double>& residuals) const {
   const std::size_t n = residuals.size();
-  return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] &&
-         wanderers_ && wanderers_->farthest(now_.body_motions.of_bodies()) > no_wandering;
+  return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] && drift_ &&
+         drift_->farthest(now_.body_motions.of_bodies()) > no_drift;
 }
 
 /// From the state of a solver of the same scene whose bodies were not held along surfaces yet.
-void ContactSolver::Impl::take_over(const Impl& other) {
+void ContactSolver::Impl::warm_start_from(const Impl& other) {
   if (!other.warm_) return;
-  now_.take_over(other.now_);
+  now_.warm_start_from(other.now_);
   warm_ = true;
 }
 
@@ -392,7 +391,7 @@ ContactSolver::~ContactSolver() = default;
 
 void ContactSolver::end_step() { impl_->end_step(); }
 
-void ContactSolver::take_over(const ContactSolver& other) { impl_->take_over(*other.impl_); }
+void ContactSolver::warm_start_from(const ContactSolver& other) { impl_->warm_start_from(*other.impl_); }
 
 OuterResult ContactSolver::solve(const std::function<void(const OuterStep&)>& progress) { return impl_->run(progress); }
 

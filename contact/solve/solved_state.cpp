@@ -19,7 +19,7 @@ void corner_displacements(const SolvedState& state, int body, int cell, double o
 
 }  // namespace
 
-void SolvedState::keep_fields_only() {
+void SolvedState::release_assembly_data() {
   for (BodyModel& body : bodies) body.cut_cells.drop_moments();
   supports = {};
 }

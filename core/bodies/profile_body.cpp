@@ -54,7 +54,7 @@ EdgeSegment segment_of(const ProfileEdge& edge, int number, double size) {
   return segment;
 }
 
-/// Do two convex polygons meet or touch?
+/// Returns whether two convex polygons meet or touch.
 bool meet(const std::vector<Vec2>& p, const std::vector<Vec2>& q) {
   for (const auto* polygon : {&p, &q})
     for (std::size_t i = 0; i < polygon->size(); ++i) {

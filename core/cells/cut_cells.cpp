@@ -132,7 +132,7 @@ class CutCellBuilder {
     for (int l = 0; l < num_levels(); ++l) integrate(l);
     number_cells();
     if (result_.cells.empty()) throw InputError("the body is empty");
-    adopt_pruned();
+    merge_slivers();
     collect();
     split_levels();
     return std::move(result_);
@@ -340,7 +340,7 @@ class CutCellBuilder {
     return best;
   }
 
-  void adopt_pruned() {
+  void merge_slivers() {
     for (std::size_t c = 0; c < candidates_.size(); ++c) {  // more may be appended
       if (!candidates_[c].pruned) continue;
       const std::vector<FacetMean> facets = facet_means(candidates_[c].points);
@@ -430,7 +430,7 @@ class CutCellBuilder {
     const int num_active = static_cast<int>(result_.cells.size());
     std::vector<char> is_cut(num_active, 0);
     for (int a = 0; a < num_active; ++a) is_cut[a] = candidate_of_active_[a] >= 0;
-    for (const Adoption& adoption : result_.adoptions) is_cut[adoption.active] = 1;
+    for (const MergedSliver& adoption : result_.adoptions) is_cut[adoption.active] = 1;
     if (result_.grid.is_axisymmetric()) std::fill(is_cut.begin(), is_cut.end(), char{1});
     result_.cut_of_active.assign(num_active, -1);
     const std::size_t num_cut = std::count(is_cut.begin(), is_cut.end(), char{1});
@@ -618,7 +618,7 @@ void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const s
   };
   add_cell(cut_cells.cells[active_cell], cut_cells.level(active_cell), selected);
   auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,
-                                   [](const Adoption& a, int cell) { return a.active < cell; });
+                                   [](const MergedSliver& a, int cell) { return a.active < cell; });
   for (; adoption != cut_cells.adoptions.end() && adoption->active == active_cell; ++adoption) {
     if (!selected[adoption->surface]) continue;
     adopted.assign(selected.size(), 0);

@@ -17,7 +17,7 @@
 namespace cgcontact {
 
 /// The facets of a surface in a cell without volume of its own belong to an active neighbour.
-struct Adoption {
+struct MergedSliver {
   int active;    ///< cell that owns the facets
   Index3 donor;  ///< cell in which they lie (may be outside of the grid by rounding)
   int surface;
@@ -33,13 +33,13 @@ struct CutCells {
   std::vector<signed char> levels;  ///< level of each active cell; empty: 0
   /// Index into moments, or -1 for an interior (full) cell; all cells of a body of revolution have moments.
   std::vector<int> cut_of_active;
-  std::vector<int> active_of_cut;    ///< cut cell -> active cell
-  MomentList moments;                ///< one per cut cell, until they are dropped
-  std::vector<double> fractions;     ///< volume fraction of each cut cell; empty as long as it has all moments
-  std::vector<double> radii;         ///< of a body of revolution, beside the fractions: radius(), m
-  BoundaryPoints boundary;           ///< default rule, all surfaces
-  std::vector<Adoption> adoptions;   ///< ascending in active
-  std::vector<Plane> face_dividers;  ///< planes at which all boundary facets are cut (core/scene/face_dividers.hpp)
+  std::vector<int> active_of_cut;       ///< cut cell -> active cell
+  MomentList moments;                   ///< one per cut cell, until they are dropped
+  std::vector<double> fractions;        ///< volume fraction of each cut cell; empty as long as it has all moments
+  std::vector<double> radii;            ///< of a body of revolution, beside the fractions: radius(), m
+  BoundaryPoints boundary;              ///< default rule, all surfaces
+  std::vector<MergedSliver> adoptions;  ///< ascending in active
+  std::vector<Plane> face_dividers;     ///< planes at which all boundary facets are cut (core/scene/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
   /// Cells of each level as a grid of one level, with that level's size as the unit of the grid coordinates; without

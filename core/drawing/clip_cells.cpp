@@ -436,7 +436,7 @@ int Clipper::side(int point, int surface) const {
 /// Adds the facets of the boundary themselves, clipped cell by cell.
 void Clipper::add_facets() {
   std::map<std::pair<Index3, int>, int> adopter;  // of the facets of a patch in a cell without volume
-  for (const Adoption& adoption : cut_cells_.adoptions)
+  for (const MergedSliver& adoption : cut_cells_.adoptions)
     adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
   std::unordered_map<Vec3, int, PointHash> number;
   std::vector<int> corners;
@@ -596,7 +596,7 @@ ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip_level) {
     CutCells level = cut_cells.level_cells[l];
     level.solid = cut_cells.level_solids[l];
     const int first = cut_cells.first_of_level[l];
-    for (const Adoption& adoption : cut_cells.adoptions)
+    for (const MergedSliver& adoption : cut_cells.adoptions)
       if (adoption.level == l && cut_cells.level(adoption.active) == l)
         level.adoptions.push_back({adoption.active - first, adoption.donor, adoption.surface});
     append_level(clip(level), l, first, mesh);

@@ -34,7 +34,7 @@ Vec3 position_of(const DrawnBody& drawn, std::size_t point);
 /// memory.
 void each_interior_block(const DrawnBody& drawn, const std::function<void(int first, const PointValues& values)>& use);
 
-/// Of the material in an active cell, m^3; on a quadtree for the body's thickness.
+/// Returns the volume of the material in an active cell, m^3; on a quadtree for the body's thickness.
 double volume_of_cell(const CutCells& cut_cells, int cell);
 /// The estimated error of the stress in an active cell: the uniaxial stress of the error's energy, Pa.
 double stress_error(const BodyFields& body, int cell);

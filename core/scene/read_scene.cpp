@@ -134,7 +134,7 @@ void keep_reference(const TomlCursor& root, const std::shared_ptr<const toml::ta
   if (!section || !uses_contact_force(*section)) return;
   std::vector<std::string> names;
   for (const BodySpec& body : scene.bodies) names.push_back(body.name);
-  scene.late_reference = [section = *section, names, document, text](double contact_force) {
+  scene.reference_of_force = [section = *section, names, document, text](double contact_force) {
     return read_reference(section, names, contact_force);
   };
 }

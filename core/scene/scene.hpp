@@ -124,7 +124,7 @@ struct BodySpec {
   bool axisymmetric() const { return unit_radius > 0; }
   /// Coordinate along the axis of revolution.
   int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
-  /// Is x (m) inside or on the boundary, within rounding?
+  /// Returns whether x (m) is inside or on the boundary, within rounding.
   bool holds(const Vec3& x) const;
 };
 
@@ -275,7 +275,7 @@ struct Scene {
   OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it
-  std::function<ReferenceSpec(double)> late_reference;
+  std::function<ReferenceSpec(double)> reference_of_force;
   Constants parameters;  ///< values of [parameters], after --set
 
   /// The reference at the computed contact force, N; a force of zero is as good as none.

@@ -495,7 +495,7 @@ void SceneReader::read_bodies(const TomlCursor& root) {
     list.fail("all bodies are rigid: there is nothing to compute", "at least one body without rigid = true");
 }
 
-/// Of an accuracy: elastic ones.
+/// Checks the keys of a table by body: only elastic bodies have a stress.
 void SceneReader::check_bodies_of_stress(const TomlCursor& node) const {
   node.expect_keys(body_names());
   for (const BodySpec& body : scene_.bodies)

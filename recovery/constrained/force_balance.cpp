@@ -220,7 +220,8 @@ class PairFace {
 
   /// Moves the forces of unmarked nodes to the nodes of the cells around, step by step; what blocked nodes get, or does
   /// not reach a marked one, is lost.
-  void step_aside(const std::vector<char>& marked, const std::vector<char>& blocked, std::vector<double>& force) const {
+  void redistribute_to_marked_nodes(const std::vector<char>& marked, const std::vector<char>& blocked,
+                                    std::vector<double>& force) const {
     const std::vector<char> all(nodes.size(), 1);
     std::vector<double> moving(nodes.size(), 0.0), next;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -347,7 +348,7 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   const auto defect = [&] {
     std::vector<double> force(size);
     for (std::size_t n = 0; n < size; ++n) force[n] = face.transmitted[n] - face.carried[n];
-    face.step_aside(pressed, term, force);
+    face.redistribute_to_marked_nodes(pressed, term, force);
     return force;
   };
   const auto add = [&](const std::vector<double>& pressure) {

@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const Scene scene = parse_scene(text, "no_such_folder/fuzzed.toml", overrides_in(text));
     for (const LoadSpec& load : scene.loads) load.pressure(Vec3(0.1, 0.2, 0.3));
-    if (scene.late_reference) scene.reference_at(1e3);
+    if (scene.reference_of_force) scene.reference_at(1e3);
     for (const BodySpec& body : scene.bodies) place_on_grid(body);
   } catch (const InputError&) {
   }

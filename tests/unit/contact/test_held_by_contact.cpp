@@ -52,7 +52,7 @@ int body_named(const test::SolvedScene& solved, const std::string& name) {
   throw std::logic_error("no body " + name);
 }
 
-/// Of all contact between two bodies, on the first one, N.
+/// Returns the force of all contact between two bodies, on the first one, N.
 Vec3 force_on(const test::SolvedScene& solved, const std::string& first, const std::string& second) {
   const int a = body_named(solved, first), b = body_named(solved, second);
   Vec3 sum = Vec3::Zero();

@@ -11,7 +11,7 @@
 namespace cgcontact::test_scenes {
 namespace {
 
-/// Does any patch that is evaluated at a contact row hold a closed contact point?
+/// Returns whether any patch that is evaluated at a contact row holds a closed contact point.
 bool sees_contact(const Simulation& sim, const PatchSet& patches, const ContactRow& row) {
   const BodyMesh& mesh = sim.state.system.meshes[row.body];
   const BoundaryData& boundary = sim.state.bodies[row.body].boundary;

@@ -24,7 +24,7 @@ std::vector<std::pair<int, Index3>> leaves(const CellTree& tree, const Index3& n
   return found;
 }
 
-/// A cell and the 26 around it: is each covered by a leaf of a level that differs by one at most?
+/// Returns whether a cell and the 26 around it are each covered by a leaf of a level that differs by one at most.
 void expect_balanced(const CellTree& tree, const Index3& num_cells) {
   for (const auto& [l, c] : leaves(tree, num_cells))
     for (int n = 0; n < 27; ++n) {

@@ -52,7 +52,8 @@ struct Problem {
     add_support_terms(system, b, terms);
   }
 
-  /// Of cells of the first body, and where there is another of its cells in any order: rows that no rank owns alone.
+  /// Adds rows of cells of the first body, and of another of its cells in any order where there is one: rows that no
+  /// rank owns alone.
   void add_rows() {
     std::vector<GroupRow> rows;
     const std::vector<const BodyMesh*> parts = system.level_meshes();

@@ -289,7 +289,7 @@ TEST(PlainReferences, ConstraintGroups) {
   EXPECT_GT(threes, 100);
 }
 
-/// Of a shaft with 20 grooves in a cell every patch has a bounded number of constraint points; they keep the area, and
+/// Every patch of a shaft with 20 grooves in a cell has a bounded number of constraint points; they keep the area, and
 /// the mean planes of the groups the force of a pressure (area times normal) of each patch up to the spread of the
 /// normals in a group: less than 60 degrees, here 45 on both sides.
 TEST(PlainReferences, GroupsOfRoughSurfacesAreBounded) {
