@@ -129,14 +129,14 @@ function showZone(index) {
 }
 
 /* The face of the first body alone, seen from outside. */
-function showFace(index) {
+function showFace(index, id = "pressure") {
   const pair = data.pairs[index], zone = pair.zone, normal = zone.normal.some((n) => n) ? zone.normal : data.eye;
   setSection(null);
   showBodies((body) => body.name === pair.bodies[0]);
   const {centre, direction, size} = revolved ? lookAtRing(zone, normal) :
                                                {centre: zoneCentre(zone), direction: normal, size: zoneSize(zone)};
   look(toView(centre), new THREE.Vector3(...direction), Math.max(1.15 * size, 1e-6));
-  setField("pressure");
+  setField(id);
   afterZone(index, "face");
 }
 

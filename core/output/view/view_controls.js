@@ -20,6 +20,16 @@ function setField(id) {
     wholeRange();
 }
 
+/* Sets a field that the reader chose; one of the contact opens the bodies, whose faces hide it else. */
+function chooseField(id) {
+  const field = fields.find((f) => f.id === id);
+  const zone = state.zone >= 0 ? state.zone : data.pairs.findIndex((pair) => pair.zone);
+  if (field.needs === "contact" && zone >= 0 && !document.querySelector("#view-close .on[data-kind=face]"))
+    showFace(zone, id);
+  else
+    setField(id);
+}
+
 /* New values of the field: another field, another step. */
 function refresh() {
   state.extremes = null;
@@ -244,7 +254,7 @@ function fillControls() {
 
 function listen() {
   const on = (id, event, use) => find(id).addEventListener(event, use);
-  on("field", "change", () => setField(find("field").value));
+  on("field", "change", () => chooseField(find("field").value));
   on("from", "change", readRange);
   on("to", "change", readRange);
   on("fit", "click", fitRange);
