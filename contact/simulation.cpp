@@ -139,7 +139,33 @@ void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
   results.peak_memory_bytes = peak_memory_bytes();
 }
 
+namespace {
+
+/// Divisions of a run's steps at most. A bolted joint at 1.2 times the friction of its plates needs three.
+constexpr int max_divisions = 4;
+
+/// The end of a step, or a point on the way there from the end of the one before.
+struct Increment {
+  std::size_t step;
+  double fraction;
+};
+
+StepSpec step_of(const std::vector<StepSpec>& steps, const Increment& increment) {
+  StepSpec step = steps[increment.step];
+  if (increment.fraction == 1) return step;
+  const StepSpec& before = steps[increment.step - 1];
+  const auto between = [&](double a, double b) { return a + increment.fraction * (b - a); };
+  step.loads = between(before.loads, step.loads);
+  step.displacements = between(before.displacements, step.displacements);
+  step.interference = between(before.interference, step.interference);
+  step.fraction = increment.fraction;
+  return step;
+}
+
+}  // namespace
+
 /// Solves all steps, each from the one before; figures of each, if the scene has steps. The last one is the result.
+/// With friction a step that does not converge is divided, and all of them come again.
 void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier) {
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
   const auto make_solver = [&] {
@@ -155,22 +181,26 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   // The solution before bodies were held for having let go of their contact, and its closed points.
   std::optional<std::pair<OuterResult, std::vector<ContactPair>>> not_held;
   std::size_t supports_not_held = 0;
-  for (std::size_t k = 0; k < steps.size();) {
-    set_step(steps[k]);
+  std::vector<Increment> increments;
+  for (std::size_t k = 0; k < steps.size(); ++k) increments.push_back({k, 1});
+  for (std::size_t i = 0; i < increments.size();) {
+    const std::size_t k = increments[i].step;
+    const bool is_end = increments[i].fraction == 1;
+    set_step(step_of(steps, increments[i]));
     state.outer = solver->solve(progress.step);
     if (state.outer.drifts) {
       constrain_drift();
       auto held = make_solver();
       if (!rubs()) held->warm_start_from(*solver);
       solver = std::move(held);
-      k = first_step_of_new_solver(k);
+      i = first_increment_of_new_solver(i);
       continue;
     }
     if (state.outer.converged && extensions < max_extensions && extend_contact_search()) {
       ++extensions;
       make_system();
       solver = make_solver();
-      k = first_step_of_new_solver(k);
+      i = first_increment_of_new_solver(i);
       continue;
     }
     if (k == 0 && state.outer.converged && tighten()) {
@@ -192,7 +222,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       supports_not_held = state.supports.size();
       constrain_drift();
       solver = make_solver();
-      k = first_step_of_new_solver(k);
+      i = first_increment_of_new_solver(i);
       continue;
     }
     if (!fault.empty()) {
@@ -201,8 +231,16 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       state.outer.diagnosis = fault;
     }
     if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing
-    if (!state.scene.steps.empty()) record_step(k, progress);
-    if (!state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
+    const bool ran_out = !state.outer.converged && fault.empty() && state.outer.other_cells_may_help;
+    if (k > 0 && rubs() && ran_out && first_failure.empty() && increments.size() < steps.size() + max_divisions) {
+      const double begin = increments[i - 1].step == k ? increments[i - 1].fraction : 0;
+      increments.insert(increments.begin() + i, {k, (begin + increments[i].fraction) / 2});
+      solver = make_solver();
+      i = first_increment_of_new_solver(i);
+      continue;
+    }
+    if (is_end && !state.scene.steps.empty()) record_step(k, progress);
+    if (is_end && !state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
       add_warning(
           fmt::format("step {} of {}: nothing acts, neither loads nor prescribed displacements nor overlap: no "
                       "force and no motion",
@@ -213,8 +251,14 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), state.outer.diagnosis);
     not_held.reset();
     if (state.outer.converged) solver->end_step();
-    ++k;
+    ++i;
   }
+  for (std::size_t k = 1; k < steps.size(); ++k)
+    if (const auto count = std::count_if(increments.begin(), increments.end(),
+                                         [k](const Increment& increment) { return increment.step == k; });
+        count > 1)
+      add_warning(fmt::format("step {} of {}: with friction it did not converge at once, {} {} increments", k + 1,
+                              steps.size(), first_failure.empty() ? "but in" : "nor in", count));
   if (state.outer.fallbacks > 0)
     add_warning(fmt::format("multigrid gave up ({}): MueLu preconditioned {} linear solves in its place",
                             state.outer.why_fallback, state.outer.fallbacks));
@@ -234,8 +278,8 @@ bool Simulation::rubs() const {
 }
 
 /// A new solver does not know what friction has done in the steps before: with friction all of them come again.
-std::size_t Simulation::first_step_of_new_solver(std::size_t step) {
-  if (!rubs()) return step;
+std::size_t Simulation::first_increment_of_new_solver(std::size_t increment) {
+  if (!rubs()) return increment;
   results.steps.clear();
   return 0;
 }

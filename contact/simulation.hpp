@@ -53,7 +53,7 @@ class Simulation {
   void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool rubs() const;
-  std::size_t first_step_of_new_solver(std::size_t step);
+  std::size_t first_increment_of_new_solver(std::size_t increment);
   bool extend_contact_search();
   void constrain_drift();
   bool lost_by_drift(const std::string& fault) const;

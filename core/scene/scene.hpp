@@ -247,11 +247,17 @@ struct StepSpec {
   double loads = 1;          ///< tractions, pressures, forces, body forces, temperatures
   double displacements = 1;  ///< prescribed at supports
   double interference = 1;   ///< of all contacts; overlap of the geometry is always there
+  double fraction = 1;       ///< of the way from the step before, for own factors; its end unless a step is divided
 
   /// What there is in this step of a load, and of what a support prescribes.
-  double of(const LoadSpec& load) const { return loads * (load.steps.empty() ? 1 : load.steps.at(number)); }
-  double of(const SupportSpec& support) const {
-    return displacements * (support.steps.empty() ? 1 : support.steps.at(number));
+  double of(const LoadSpec& load) const { return loads * own(load.steps); }
+  double of(const SupportSpec& support) const { return displacements * own(support.steps); }
+
+ private:
+  double own(const std::vector<double>& factors) const {
+    if (factors.empty()) return 1;
+    const double before = number > 0 ? factors.at(number - 1) : 0;
+    return before + fraction * (factors.at(number) - before);
   }
 };
 
