@@ -20,7 +20,7 @@ constexpr double unknowns_power = -2.5;
 /// Those of narrow zones to a smaller one; grids that are found too large shrink by this one.
 constexpr double coarsening_power = -1.7;
 /// Least change of size, of the wanted one, that a limit must leave to be worth a solve.
-constexpr double least_gain = 1.15;
+constexpr double min_gain = 1.15;
 /// Cells of a grid that is the last one again, over those of that; cells are then made so much finer.
 constexpr double same_cell = 0.95, finer = 0.75;
 /// Times as many unknowns, at least, of a grid with the same smallest cells that is worth a solve.
@@ -28,7 +28,7 @@ constexpr double worth_a_solve = 1.2;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
 constexpr double first_exploration = 2.5e5;
 /// Unknowns of each cell: a node of its own, or two that share the components in the plane.
-constexpr double least_unknowns_per_cell = 3, least_in_plane_strain = 2;
+constexpr double min_unknowns_per_cell = 3, min_in_plane_strain = 2;
 /// Growth of the cells of a grid that was refused.
 constexpr double refused_growth = 1.5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
@@ -42,16 +42,16 @@ constexpr double dearer = 1.2;
 /// interrupted ends within a fifth of max_time.
 constexpr double give_up = 1.1;
 /// Fraction of a run's time that one solve beside it must take to be reported.
-constexpr double told_part = 0.01;
+constexpr double told_fraction = 0.01;
 
 /// Ends a solve whose time is over while the run has the solution of an earlier one.
 struct OutOfTime {};
 
 /// Returns how many times as many closed groups there are on other grids.
-double more_closed_pieces(const SolvedState& state, const std::vector<BodyModel>& next) {
+double more_closed_groups(const SolvedState& state, const std::vector<BodyModel>& next) {
   double now = 0, then = 0;
   for (const ContactPair& pair : state.pairs)
-    for (std::size_t g = 0; g < pair.num_pieces(); ++g) {
+    for (std::size_t g = 0; g < pair.num_surface_groups(); ++g) {
       const ContactGroup& group = pair.groups[g];
       if (!is_closed(pair, group)) continue;
       const CutCells& from = state.bodies[group.body].cut_cells;
@@ -71,10 +71,10 @@ double count_unknowns(const std::vector<BodyModel>& bodies) {
 }
 
 /// Returns an upper bound of one body's cells in a grid with that number of unknowns.
-double most_cells(const Scene& scene, double unknowns) {
+double max_cells(const Scene& scene, double unknowns) {
   const bool plane = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                  [](const BodySpec& body) { return body.plane_strain.has_value(); });
-  return unknowns / (plane ? least_in_plane_strain : least_unknowns_per_cell);
+  return unknowns / (plane ? min_in_plane_strain : min_unknowns_per_cell);
 }
 
 /// The largest of the estimated errors over their targets; none: the zones are not resolved.
@@ -186,8 +186,8 @@ double AdaptiveRun::forecast() const {
   if (!last.converged) return dearer * std::max(0.0, own_ - cells) * unknowns;
   const double system = seconds_of_phases(simulation_->results, {"operator", "solve"});
   const double rest = std::max(0.0, own_ - search_ - system - cells);
-  const double pieces = more_closed_pieces(simulation_->state, next_->state.bodies);
-  return dearer * (system * unknowns + rest * std::max(unknowns, pieces));
+  const double groups = more_closed_groups(simulation_->state, next_->state.bodies);
+  return dearer * (system * unknowns + rest * std::max(unknowns, groups));
 }
 
 /// Returns how many times too large the next grid is, at most 1 if it is not; sets which limit it is.
@@ -214,48 +214,48 @@ bool AdaptiveRun::stands_still() const {
 
 /// Cells of the first grid, or of the next one; beyond a limit they become larger. False: hardly smaller than those
 /// before.
-bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
+bool AdaptiveRun::set_up(const AdaptiveCallbacks& callbacks) {
   const double allowed = allowed_unknowns();
   refused_.clear();
   if (figures_.solves.empty()) {
-    place_within(1e300, 1, callbacks);
+    set_up_within(1e300, 1, callbacks);
     check_first_grids(given_, next_->state.bodies);
     return true;
   }
   needed_ = static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
   if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
     const double enough = first_exploration * std::pow(4.0, static_cast<double>(figures_.solves.size() - 1));
-    if (enough < allowed && place_within(enough, 1, callbacks)) return true;
-    return place_within(allowed, 1, callbacks);
+    if (enough < allowed && set_up_within(enough, 1, callbacks)) return true;
+    return set_up_within(allowed, 1, callbacks);
   }
   // Not even the cells of a grid that is too large by far, or that would take what is left of the time.
   const double left = given_.accuracy.max_time - seconds();
   const bool too_large = needed_ > 4 * allowed || dearer * seconds_of_cells(needed_) > left;
   const double factor = too_large && needed_ > allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
-  if (!place_within(allowed, factor, callbacks)) return false;
-  return !stands_still() || place_within(allowed, finer * factor, callbacks);
+  if (!set_up_within(allowed, factor, callbacks)) return false;
+  return !stands_still() || set_up_within(allowed, finer * factor, callbacks);
 }
 
 /// Makes the next grid, its refined cells times a factor that grows until the unknowns are at most `allowed`, and falls
 /// from a first guess that leaves most of them. False: the cells would hardly be smaller than before.
-bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
-  const double worth = std::pow(1 / least_gain, unknowns_power);  // times as many unknowns
-  double too_fine = 0, enough = 0;                                // factors; 0: none is known
+bool AdaptiveRun::set_up_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
+  const double worth = std::pow(1 / min_gain, unknowns_power);  // times as many unknowns
+  double too_fine = 0, enough = 0;                              // factors; 0: none is known
   const auto grow = [&](double growth) {
     too_fine = factor;
     factor *= growth;
-    if (enough > 0) factor = enough < least_gain * too_fine ? enough : std::sqrt(too_fine * enough);
+    if (enough > 0) factor = enough < min_gain * too_fine ? enough : std::sqrt(too_fine * enough);
   };
   // A grid that no limit makes coarser is worth a solve even if little is missing.
-  while (factor <= 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+  while (factor <= 1 || factor * sizes_.change < 1 / min_gain || figures_.solves.empty()) {
     if (!figures_.solves.empty() && seconds() > given_.accuracy.max_time) {
       limit_ = "max_time";
       break;
     }
-    next_scene_ = scene_on_grids(given_, sizes_, factor, most_cells(given_, allowed));
+    next_scene_ = scene_on_grids(given_, sizes_, factor, max_cells(given_, allowed));
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
-      next_->place(callbacks);
+      next_->set_up(callbacks);
     } catch (const TooManyCells&) {
       grow(refused_growth);
       continue;
@@ -269,7 +269,7 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     const double times = excess(allowed);
     if (times > 1) {
       grow(step * std::pow(1 / times, 1 / coarsening_power));
-    } else if (factor <= 1 || times * worth > 1 || factor <= least_gain * too_fine) {
+    } else if (factor <= 1 || times * worth > 1 || factor <= min_gain * too_fine) {
       const double unknowns = count_unknowns(next_->state.bodies);
       if (factor <= 1 || !resolved_ || unknowns > worth * static_cast<double>(figures_.solves.back().unknowns))
         return true;
@@ -343,7 +343,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   next_->solve(callbacks, earlier.state, false);
   if (!next_->results.converged && earlier.state) {  // once more, from nothing
     next_ = std::make_unique<Simulation>(*next_scene_);
-    next_->place(callbacks);
+    next_->set_up(callbacks);
     next_->start_preloads_from(*simulation_);
     next_->solve(callbacks, nullptr, false);
   }
@@ -417,11 +417,11 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   double own = 0;  // what the solve has phases for
   for (const auto& [phase, s] : results.times_s) own += s;
   own -= seconds() - all;
-  if (figures_.solves.size() > 1 || all - own > told_part * all)
+  if (figures_.solves.size() > 1 || all - own > told_fraction * all)
     results.times_s.insert(results.times_s.begin(), {"other solves", std::max(0.0, all - own)});
-  if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
-  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular position
-  for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
+  if (results.converged) results.singular_points = singular_points(simulation_->state, energies_);
+  if (!results.singular_points.empty()) estimate_peak_errors(results);  // none at a singular position
+  for (const SingularPoint& point : results.singular_points) results.warnings.push_back(describe(point));
   results.accuracy = figures_;
   results.accuracy.asked = true;
 }
@@ -430,7 +430,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
 void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
   const AccuracyOptions& options = given_.accuracy;
   for (;;) {
-    if (!place(callbacks)) {
+    if (!set_up(callbacks)) {
       figures_.text = after_failure() +
                       (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
                                                       limit_, number(needed_))
@@ -465,7 +465,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
       sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_, displacement_errors_);
     else
       halve(sizes_);
-    simulation_->state.keep_fields_only();
+    simulation_->state.release_assembly_data();
   }
 } catch (const OutOfTime&) {
   figures_.text = fmt::format("accuracy.max_time = {:g} s stopped the refinement during solve {}",

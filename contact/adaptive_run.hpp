@@ -7,7 +7,7 @@
 
 #include "contact/adaptive/displacement_error.hpp"
 #include "contact/adaptive/next_grid.hpp"
-#include "contact/adaptive/singular_places.hpp"
+#include "contact/adaptive/singular_points.hpp"
 #include "contact/adaptive/two_grid_estimate.hpp"
 #include "contact/simulation.hpp"
 
@@ -38,8 +38,8 @@ class AdaptiveRun {
   const Scene& scene() const { return *scene_; }
 
  private:
-  bool place(const AdaptiveCallbacks& callbacks);
-  bool place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks);
+  bool set_up(const AdaptiveCallbacks& callbacks);
+  bool set_up_within(double allowed, double factor, const AdaptiveCallbacks& callbacks);
   void refine(const AdaptiveCallbacks& callbacks);
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   void keep(const SolveFigures& solve, const ErrorFigures& errors);

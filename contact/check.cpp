@@ -43,8 +43,8 @@ std::string describe_body(const BodyModel& body) {
   if (cc.num_levels() > 1) {
     text += "  levels:";
     for (int l = 0; l < cc.num_levels(); ++l)
-      text +=
-          fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.parts[l].cells.size(), cc.grid.cell_size_of(l));
+      text += fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.level_cells[l].cells.size(),
+                          cc.grid.cell_size_of(l));
     text += "\n";
   }
   if (body.spec->axisymmetric())
@@ -105,8 +105,8 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   for (const LoadFigures& load : load_figures(scene, preparation.bodies)) text += describe_load(load);
   for (const ContactPair& pair : preparation.pairs) {
     double area = 0, smallest = 1e300, largest = -1e300;
-    for (std::size_t place = 0; place < pair.num_places(); ++place) {
-      const ContactPoint q = pair.points[place];
+    for (std::size_t index = 0; index < pair.num_surface_points(); ++index) {
+      const ContactPoint q = pair.points[index];
       area += preparation.bodies[pair.primary].slices * q.weight;
       smallest = std::min(smallest, q.distance);
       largest = std::max(largest, q.distance);
@@ -114,7 +114,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
     text +=
         fmt::format("{}contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 {}, distance {:.3g} .. {:.3g} m\n",
                     pair.bonded() ? "bonded " : "", pair.spec->name, scene.bodies[pair.primary].name,
-                    scene.bodies[pair.secondary].name, pair.num_places(), pair.num_pieces(), area,
+                    scene.bodies[pair.secondary].name, pair.num_surface_points(), pair.num_surface_groups(), area,
                     pair.bonded() ? "tied" : "in reach", smallest, largest);
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");

@@ -80,7 +80,7 @@ int check(const Scene& given, const CommandLine& options) {
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
   const Scene scene = on_first_grids(given);
-  Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is still described
+  Preparation preparation = discretise(scene, false);  // a scene that nearly fits is still described
   CheckFiles drawn;
   if (!options.out.empty()) {  // before the checks: the picture shows what may be wrong
     progress.begin_phase("drawing");
@@ -89,7 +89,7 @@ int check(const Scene& given, const CommandLine& options) {
   progress.finish();
   for (const std::string& warning : drawn.warnings) fmt::print("warning: {}\n", warning);
   if (!options.out.empty()) fmt::print("drawn in {}: {}\n", options.out, fmt::join(drawn.names, ", "));
-  complete(scene, preparation);
+  validate(scene, preparation);
   if (scene.accuracy.any()) fmt::print("[accuracy]: these are the first grids, which a run refines\n");
   fmt::print("{}", describe(scene, preparation));
   if (options.settings) fmt::print("{}", describe_settings(scene));
@@ -129,7 +129,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   callbacks.load_step = [&](std::size_t number, const Results& step) { writer.add_step(number, step); };
   const auto write = [&](Simulation& simulation, const Scene& solved) {
     Results& results = simulation.results;
-    simulation.state.keep_fields_only();
+    simulation.state.release_assembly_data();
     progress.begin_phase("output");
     const ProfiledRegion region("output");
     results.command = command_text(argv);
@@ -186,7 +186,7 @@ std::string fault_of(const std::string& text, const std::string& file) try {
 
 /// Reports an error in one line, or mistakes in a line for each; of several ranks one reports it for all. If it is this
 /// rank's alone, the others are ended.
-void tell_error(const std::vector<std::string>& lines) {
+void report_error(const std::vector<std::string>& lines) {
   const int rank = this_rank(), ranks = num_ranks();
   const bool of_all = failed_on_all_ranks();
   if (!of_all || rank == 0)
@@ -238,9 +238,9 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     std::vector<std::string> lines = messages_of(error);
     for (std::string& line : lines) line = options ? options->with_variables(line) : line;
-    tell_error(lines);
+    report_error(lines);
   } catch (const std::exception& error) {
-    tell_error({is_out_of_memory(error) ? out_of_memory_text() : error.what()});
+    report_error({is_out_of_memory(error) ? out_of_memory_text() : error.what()});
   }
   return 1;
 }

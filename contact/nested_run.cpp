@@ -13,8 +13,8 @@ namespace {
 
 /// Nodes of the coarsest grid, about; at most 1/64 of the given one's, so that its solve costs little where it finds
 /// narrow zones, with few rows of the given cells.
-constexpr double least_nodes = 1000;
-constexpr int least_halvings = 2;
+constexpr double min_nodes = 1000;
+constexpr int min_halvings = 2;
 /// Outer residual of a solution to start from: it is that of other cells, which are off by more.
 constexpr double coarse_tolerance = 1e-3;
 
@@ -61,8 +61,8 @@ NestedRun::NestedRun(const Scene& scene) : scene_(scene), simulation_(std::make_
 /// Solution on cells of twice the size; null: there is none that is worth to start from.
 std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallbacks& progress) {
   int halvings = 0;
-  for (double nodes = count_nodes(simulation_->state.bodies) / 8; nodes >= least_nodes; nodes /= 8) ++halvings;
-  if (halvings < least_halvings) return nullptr;
+  for (double nodes = count_nodes(simulation_->state.bodies) / 8; nodes >= min_nodes; nodes /= 8) ++halvings;
+  if (halvings < min_halvings) return nullptr;
   progress.phase("coarser grids");
   ProgressCallbacks steps_only;
   steps_only.step = progress.step;
@@ -70,14 +70,14 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
   for (; halvings > 0; --halvings) {
     auto next = std::make_unique<Coarse>(scene_, std::ldexp(1.0, halvings));
     try {
-      next->simulation.place({});
+      next->simulation.set_up({});
       if (last) next->simulation.start_preloads_from(last->simulation);
       next->simulation.solve_system(steps_only, last ? &last->simulation.state : nullptr);
       const SolvedState& state = next->simulation.state;
       coarse_.push_back({state.system.num_free_dofs(), state.outer.iterations, state.outer.converged});
       if (!state.outer.converged) return nullptr;
       next->simulation.recover();
-      next->simulation.state.keep_fields_only();
+      next->simulation.state.release_assembly_data();
     } catch (const InputError&) {  // of cells that the scene does not have
       return nullptr;
     }
@@ -90,7 +90,7 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
 }
 
 void NestedRun::run(const ProgressCallbacks& progress) {
-  simulation_->place(progress);
+  simulation_->set_up(progress);
   const auto start = std::chrono::steady_clock::now();
   std::unique_ptr<Coarse> coarse = scene_.solver.nested ? solve_coarser(progress) : nullptr;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -100,7 +100,7 @@ void NestedRun::run(const ProgressCallbacks& progress) {
   coarse.reset();                                            // before the recovery, which takes most memory
   if (from_coarse && !simulation_->state.outer.converged) {  // once more, from nothing
     simulation_ = std::make_unique<Simulation>(scene_);
-    simulation_->place(progress);
+    simulation_->set_up(progress);
     simulation_->solve_system(progress, nullptr);
   }
   simulation_->finish(progress, true);

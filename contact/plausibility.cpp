@@ -21,9 +21,9 @@ constexpr double softest = 1e5, stiffest = 1.25e12;
 /// Pa: rubber begins there. Most materials in MPa are a number below it, which is then read as Pa.
 constexpr double softest_rubber = 1e6;
 /// Moduli in GPa are numbers below it, those in MPa of all but rubber above.
-constexpr double largest_in_gigapascals = 1e3;
+constexpr double max_in_gigapascals = 1e3;
 /// Sizes of two bodies in contact differ by less, but where one is in mm and the other in m.
-constexpr double largest_ratio = 100;
+constexpr double max_ratio = 100;
 /// m: parts are shorter, and most numbers of mm are larger.
 constexpr double longest_part = 10;
 /// m: a consistent set with mm has its parts longer than that.
@@ -77,7 +77,7 @@ std::string fault_of_modulus(const BodySpec& body) {
          fmt::format(
              " is less than rubber has (1e6 Pa): a number without a unit is in Pa; write \"{0:.6g} {1}\", or "
              "\"{0:.6g} Pa\" if that is meant",
-             modulus, modulus < largest_in_gigapascals ? "GPa" : "MPa") +
+             modulus, modulus < max_in_gigapascals ? "GPa" : "MPa") +
          (in_millimetres ? " (in mm, N and MPa throughout the result is right, but m and Pa stand beside it)" : "");
 }
 
@@ -102,7 +102,7 @@ void find_sizes_of_pairs(Checked& c) {
     if (!seen.insert(std::minmax(large, small)).second) continue;
     if (mean_side(c.body(large)) < mean_side(c.body(small))) std::swap(large, small);
     const double ratio = mean_side(c.body(large)) / mean_side(c.body(small));
-    if (ratio < largest_ratio) continue;
+    if (ratio < max_ratio) continue;
     const bool both_told = c.told.count(large) + c.told.count(small) == 2;
     c.told.insert({large, small});
     if (both_told) continue;

@@ -10,8 +10,8 @@
 #include "contact/model/memory.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/rigid_supports.hpp"
+#include "contact/motions/free_components.hpp"
 #include "contact/motions/free_motion.hpp"
-#include "contact/motions/free_pieces.hpp"
 #include "contact/plausibility.hpp"
 #include "contact/results/reference.hpp"
 
@@ -100,16 +100,16 @@ void check_free_motions(const Scene& scene, Preparation& p) {
 
 /// A rigid body needs no density under gravity if its supports alone hold it: its mass moves nothing then.
 void check_masses(const Preparation& p) {
-  const std::vector<RigidPiece> pieces = whole_bodies(p.bodies).list;
+  const std::vector<RigidComponent> components = whole_bodies(p.bodies).list;
   std::vector<int> itself(p.bodies.size());
   std::iota(itself.begin(), itself.end(), 0);
   std::vector<Resistance> held(p.bodies.size(), Resistance::Zero());
   for (const SupportPoint& point : p.supports)
-    if (point.support >= 0 && point.spring == 0) add_resistance(point, pieces, p.bodies, itself, held);
+    if (point.support >= 0 && point.spring == 0) add_resistance(point, components, p.bodies, itself, held);
   for (std::size_t b = 0; b < p.bodies.size(); ++b) {
     const BodySpec& body = *p.bodies[b].spec;
     if (body.inertia.unknown && motions_not_resisted(held[b]).cols() > 0)
-      throw InputError(body.place, "\"" + body.name + "\"",
+      throw InputError(body.location, "\"" + body.name + "\"",
                        "it has no density, which gravity and rotation act on, and its supports leave it free to move",
                        "material = {density = 7850} in kg/m^3, or supports that hold the rigid body wholly");
   }
@@ -128,7 +128,7 @@ void check_body_forces(const std::vector<BodyModel>& bodies) {
 /// contact force.
 void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) {
   const Reference reference(scene, scene.reference);
-  if (scene.late_reference || !reference.has_pressure()) return;
+  if (scene.reference_of_force || !reference.has_pressure()) return;
   for (const ContactPair& pair : pairs)
     for (const ContactPoint& point : pair.points) reference.pressure(point.x);
 }
@@ -176,7 +176,7 @@ void check_memory(const Scene& scene, const Preparation& preparation) {
   check_memory(scene, sizes, memory_extras(scene, preparation));
 }
 
-Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
+Preparation discretise(const Scene& scene, bool refuse_near_limit) {
   check_settings(scene);
   check_memory_early(scene, refuse_near_limit);
   Preparation p;
@@ -186,7 +186,7 @@ Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
   return p;
 }
 
-void complete(const Scene& scene, Preparation& preparation) {
+void validate(const Scene& scene, Preparation& preparation) {
   check_conditions(scene, preparation.bodies, preparation.pairs);
   check_supports_of_rigid_bodies(scene, preparation.bodies, preparation.supports);
   check_plane_strain(scene, preparation.bodies, preparation.supports, preparation.pairs);
@@ -203,8 +203,8 @@ void complete(const Scene& scene, Preparation& preparation) {
 }
 
 Preparation prepare(const Scene& scene, bool refuse_near_limit) {
-  Preparation preparation = lay_out(scene, refuse_near_limit);
-  complete(scene, preparation);
+  Preparation preparation = discretise(scene, refuse_near_limit);
+  validate(scene, preparation);
   return preparation;
 }
 

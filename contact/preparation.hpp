@@ -24,9 +24,9 @@ void check_settings(const Scene& scene);
 /// estimate of a second or two. The two steps in one:
 Preparation prepare(const Scene& scene, bool refuse_near_limit = true);
 /// Prepares what can be drawn, whether the scene can be solved or not.
-Preparation lay_out(const Scene& scene, bool refuse_near_limit = true);
+Preparation discretise(const Scene& scene, bool refuse_near_limit = true);
 /// Checks that it can be solved; throws InputError; holds motions that no load drives.
-void complete(const Scene& scene, Preparation& preparation);
+void validate(const Scene& scene, Preparation& preparation);
 
 /// Counts the rows of contact.csv: boundary points of the contact faces, in reach of the other body or not.
 double count_contact_rows(const Preparation& preparation);

@@ -32,7 +32,7 @@
 #include "contact/results/spring_share.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
-#include "contact/solve/surface_wanderers.hpp"
+#include "contact/solve/tangential_drift.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
@@ -46,7 +46,7 @@ constexpr double nearly_one = 0.99;
 /// Cells: a motion along surfaces that is less is rounding.
 constexpr double at_rest = 1e-6;
 /// Most repeated solves of a pair that has to see farther.
-constexpr int most_extensions = 5;
+constexpr int max_extensions = 5;
 
 /// Shortest side of the bounding box along the grid's axes, and twice the volume over the free area: in the body's
 /// smallest cells.
@@ -93,15 +93,15 @@ bool is_at_rest(const OuterResult& outer) {
   const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), outer.u);
   for (std::size_t i = 0; i < u.size(); ++i)
     if (u(i) != 0) return false;
-  for (const RigidPart& part : outer.rigid_parts)
-    if (part.translation.norm() + part.rotation.norm() + part.expansion.norm() > 0) return false;
+  for (const BodyMotion& motion : outer.body_motions)
+    if (motion.translation.norm() + motion.rotation.norm() + motion.expansion.norm() > 0) return false;
   return std::all_of(outer.group_force.begin(), outer.group_force.end(), [](double force) { return force == 0; });
 }
 
 }  // namespace
 
 void Simulation::run(const ProgressCallbacks& progress) {
-  place(progress);
+  set_up(progress);
   solve(progress);
 }
 
@@ -112,8 +112,8 @@ void Simulation::sample_paths(const ProgressCallbacks& progress) {
   });
 }
 
-void Simulation::place(const ProgressCallbacks& progress) {
-  PhaseClock(results.times_s, progress)("cut cells", [&] { place_on_grids(); });
+void Simulation::set_up(const ProgressCallbacks& progress) {
+  PhaseClock(results.times_s, progress)("cut cells", [&] { set_up_grids(); });
 }
 
 void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier, bool with_paths) {
@@ -139,7 +139,33 @@ void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
   results.peak_memory_bytes = peak_memory_bytes();
 }
 
+namespace {
+
+/// Divisions of a run's steps at most. A bolted joint at 1.2 times the friction of its plates needs three.
+constexpr int max_divisions = 4;
+
+/// The end of a step, or a point on the way there from the end of the one before.
+struct Increment {
+  std::size_t step;
+  double fraction;
+};
+
+StepSpec step_of(const std::vector<StepSpec>& steps, const Increment& increment) {
+  StepSpec step = steps[increment.step];
+  if (increment.fraction == 1) return step;
+  const StepSpec& before = steps[increment.step - 1];
+  const auto between = [&](double a, double b) { return a + increment.fraction * (b - a); };
+  step.loads = between(before.loads, step.loads);
+  step.displacements = between(before.displacements, step.displacements);
+  step.interference = between(before.interference, step.interference);
+  step.fraction = increment.fraction;
+  return step;
+}
+
+}  // namespace
+
 /// Solves all steps, each from the one before; figures of each, if the scene has steps. The last one is the result.
+/// With friction a step that does not converge is divided, and all of them come again.
 void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier) {
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
   const auto make_solver = [&] {
@@ -155,22 +181,26 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   // The solution before bodies were held for having let go of their contact, and its closed points.
   std::optional<std::pair<OuterResult, std::vector<ContactPair>>> not_held;
   std::size_t supports_not_held = 0;
-  for (std::size_t k = 0; k < steps.size();) {
-    set_step(steps[k]);
+  std::vector<Increment> increments;
+  for (std::size_t k = 0; k < steps.size(); ++k) increments.push_back({k, 1});
+  for (std::size_t i = 0; i < increments.size();) {
+    const std::size_t k = increments[i].step;
+    const bool is_end = increments[i].fraction == 1;
+    set_step(step_of(steps, increments[i]));
     state.outer = solver->solve(progress.step);
-    if (state.outer.wanders) {
-      hold_wanderers();
+    if (state.outer.drifts) {
+      constrain_drift();
       auto held = make_solver();
-      if (!rubs()) held->take_over(*solver);
+      if (!rubs()) held->warm_start_from(*solver);
       solver = std::move(held);
-      k = first_step_of_new_solver(k);
+      i = first_increment_of_new_solver(i);
       continue;
     }
-    if (state.outer.converged && extensions < most_extensions && see_farther()) {
+    if (state.outer.converged && extensions < max_extensions && extend_contact_search()) {
       ++extensions;
       make_system();
       solver = make_solver();
-      k = first_step_of_new_solver(k);
+      i = first_increment_of_new_solver(i);
       continue;
     }
     if (k == 0 && state.outer.converged && tighten()) {
@@ -187,12 +217,12 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       state.outer.diagnosis = "friction remembers the steps before, and one of them has no solution";
     }
     const std::string fault = state.outer.converged ? contact_fault(state) : "";
-    if (!not_held && state.outer.converged && lost_by_wandering(fault)) {
+    if (!not_held && state.outer.converged && lost_by_drift(fault)) {
       not_held = {state.outer, state.pairs};
       supports_not_held = state.supports.size();
-      hold_wanderers();
+      constrain_drift();
       solver = make_solver();
-      k = first_step_of_new_solver(k);
+      i = first_increment_of_new_solver(i);
       continue;
     }
     if (!fault.empty()) {
@@ -201,8 +231,16 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       state.outer.diagnosis = fault;
     }
     if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing
-    if (!state.scene.steps.empty()) record_step(k, progress);
-    if (!state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
+    const bool ran_out = !state.outer.converged && fault.empty() && state.outer.other_cells_may_help;
+    if (k > 0 && rubs() && ran_out && first_failure.empty() && increments.size() < steps.size() + max_divisions) {
+      const double begin = increments[i - 1].step == k ? increments[i - 1].fraction : 0;
+      increments.insert(increments.begin() + i, {k, (begin + increments[i].fraction) / 2});
+      solver = make_solver();
+      i = first_increment_of_new_solver(i);
+      continue;
+    }
+    if (is_end && !state.scene.steps.empty()) record_step(k, progress);
+    if (is_end && !state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
       add_warning(
           fmt::format("step {} of {}: nothing acts, neither loads nor prescribed displacements nor overlap: no "
                       "force and no motion",
@@ -213,8 +251,14 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), state.outer.diagnosis);
     not_held.reset();
     if (state.outer.converged) solver->end_step();
-    ++k;
+    ++i;
   }
+  for (std::size_t k = 1; k < steps.size(); ++k)
+    if (const auto count = std::count_if(increments.begin(), increments.end(),
+                                         [k](const Increment& increment) { return increment.step == k; });
+        count > 1)
+      add_warning(fmt::format("step {} of {}: with friction it did not converge at once, {} {} increments", k + 1,
+                              steps.size(), first_failure.empty() ? "but in" : "nor in", count));
   if (state.outer.fallbacks > 0)
     add_warning(fmt::format("multigrid gave up ({}): MueLu preconditioned {} linear solves in its place",
                             state.outer.why_fallback, state.outer.fallbacks));
@@ -234,8 +278,8 @@ bool Simulation::rubs() const {
 }
 
 /// A new solver does not know what friction has done in the steps before: with friction all of them come again.
-std::size_t Simulation::first_step_of_new_solver(std::size_t step) {
-  if (!rubs()) return step;
+std::size_t Simulation::first_increment_of_new_solver(std::size_t increment) {
+  if (!rubs()) return increment;
   results.steps.clear();
   return 0;
 }
@@ -258,7 +302,7 @@ bool Simulation::tighten() {
 }
 
 /// New pairs, if faces have met that no pair saw.
-bool Simulation::see_farther() {
+bool Simulation::extend_contact_search() {
   const std::vector<double> reach = missed_contact(state);
   if (reach.empty()) return false;
   state.pairs = make_contact_pairs(state.scene, state.bodies, reach);
@@ -266,34 +310,35 @@ bool Simulation::see_farther() {
 }
 
 /// Bodies stay where they are along surfaces, as far as no load drives them.
-void Simulation::hold_wanderers() {
-  for (const SupportPoint& point : SurfaceWanderers(state.bodies, state.supports, state.pairs).hold(state.bodies))
+void Simulation::constrain_drift() {
+  for (const SupportPoint& point : TangentialDrift(state.bodies, state.supports, state.pairs).hold(state.bodies))
     state.supports.push_back(point);
   make_system();
 }
 
 /// Returns whether a body that nothing drives slid or spun along surfaces until its contact let go. Unlike exact
 /// contact, points of few cells push it along.
-bool Simulation::lost_by_wandering(const std::string& fault) const {
+bool Simulation::lost_by_drift(const std::string& fault) const {
   if (fault.empty() && contact_carries(state)) return false;
-  return SurfaceWanderers(state.bodies, state.supports, state.pairs).farthest(state.outer.rigid_parts) > at_rest;
+  return TangentialDrift(state.bodies, state.supports, state.pairs).farthest(state.outer.body_motions) > at_rest;
 }
 
 /// Figures of a step; the pairs of the last one are those of the results.
 void Simulation::record_step(std::size_t number, const ProgressCallbacks& progress) {
-  Results part;
+  Results step_results;
   if (number + 1 < state.scene.steps.size()) {
     recover();
-    fill_contact_rows(state, part);
-    fill_pair_figures(state, part);
-    fill_friction(state, part);
-    fill_fields(state, part);
-    progress.load_step(number, part);
+    fill_contact_rows(state, step_results);
+    fill_pair_figures(state, step_results);
+    fill_friction(state, step_results);
+    fill_fields(state, step_results);
+    progress.load_step(number, step_results);
   }
-  results.steps.push_back({state.scene.steps[number], state.outer.iterations, state.outer.converged, part.pairs, {}});
+  results.steps.push_back(
+      {state.scene.steps[number], state.outer.iterations, state.outer.converged, step_results.pairs, {}});
 }
 
-void Simulation::place_on_grids() {
+void Simulation::set_up_grids() {
   for (const BodySpec& body : state.scene.bodies) {
     results.warnings.insert(results.warnings.end(), body.warnings.begin(), body.warnings.end());
     if (body.material.poisson_ratio > 0.48)
@@ -358,7 +403,8 @@ void Simulation::recover() {
     if (singular > 0)
       add_warning(std::to_string(singular) + " patches of body \"" + state.bodies[b].spec->name +
                   "\" were singular: constant stress used there");
-    state.spr.push_back(part_of(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(b), mesh)));
+    state.spr.push_back(
+        restricted_field(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(b), mesh)));
     state.sprc.push_back(field);
     input.push_back({&mesh, &patches[b], &boundary, field});
   }
@@ -396,7 +442,7 @@ void Simulation::solve_faces() {
 void Simulation::choose_reference() {
   const double force =
       results.pairs.empty() ? 0 : state.bodies.front().slices * results.pairs.front().force_on_first.norm();
-  if (!state.scene.late_reference || force > 0) {
+  if (!state.scene.reference_of_force || force > 0) {
     try {
       state.reference = state.scene.reference_at(force);
       const Reference known(state.scene, state.reference);
@@ -424,7 +470,7 @@ void Simulation::fill_results() {
   fill_support_figures(state, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
   fill_balance(state, results);
-  if (const std::string warning = place_keeping_warning(state); !warning.empty()) add_warning(warning);
+  if (const std::string warning = surface_hold_warning(state); !warning.empty()) add_warning(warning);
   choose_reference();
   fill_body_fields(state, results);
   fill_rigid_figures(state, results);
@@ -432,7 +478,7 @@ void Simulation::fill_results() {
   results.verdict = judge(state, results);
   estimate_contact_errors(state, results);
   judge_errors(state, results);
-  tell_spring_shares(state, results);
+  report_spring_shares(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);

@@ -33,7 +33,7 @@ class Simulation {
   void run(const ProgressCallbacks& progress);
   /// Steps of a simulation: making the grids; solving on them, with all results. The pressure along the paths that are
   /// drawn may come later. earlier: a solution on other grids to start from, or none.
-  void place(const ProgressCallbacks& progress);
+  void set_up(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   /// Halves of solve: up to the displacements, and what follows from them.
   void solve_system(const ProgressCallbacks& progress, const SolvedState* earlier);
@@ -43,7 +43,7 @@ class Simulation {
   void start_preloads_from(const Simulation& earlier) { preload_.start_from(earlier.preload_); }
 
   /// Steps, for programs that measure them one by one; between the second and the third comes the solution.
-  void place_on_grids();
+  void set_up_grids();
   void make_system();
   void recover();
   void fill_results();
@@ -53,10 +53,10 @@ class Simulation {
   void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool rubs() const;
-  std::size_t first_step_of_new_solver(std::size_t step);
-  bool see_farther();
-  void hold_wanderers();
-  bool lost_by_wandering(const std::string& fault) const;
+  std::size_t first_increment_of_new_solver(std::size_t increment);
+  bool extend_contact_search();
+  void constrain_drift();
+  bool lost_by_drift(const std::string& fault) const;
   void record_step(std::size_t number, const ProgressCallbacks& progress);
   void add_warning(const std::string& warning);
   bool tighten();

@@ -166,13 +166,13 @@ Kernel nodal_forces(int n) {
   add_contact_forces(ExecSpace(), c->touched, c->change, force);
   ExecSpace().fence();
   const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), c->touched.node);
-  std::map<int, std::size_t> place;
-  for (std::size_t t = 0; t < nodes.extent(0); ++t) place[nodes(t)] = t;
+  std::map<int, std::size_t> slot;
+  for (std::size_t t = 0; t < nodes.extent(0); ++t) slot[nodes(t)] = t;
   std::vector<double> plain(force.size(), 0.0);
   const auto amount = to_host(c->change);
   for (std::size_t g = 0; g < amount.size(); ++g)
     for (const auto& [dof, value] : c->problem.system.group_rows[g].entries)
-      plain[dof_offset(place.at(node_of_dof(dof)), component_of_dof(dof))] += value * amount[g];
+      plain[dof_offset(slot.at(node_of_dof(dof)), component_of_dof(dof))] += value * amount[g];
   Kernel k;
   k.unit = "points", k.items = c->num_points;
   k.cost = {2 * c->num_entries, 12 * c->num_entries + 8 * c->num_groups + 20.0 * static_cast<double>(force.size())};
@@ -257,7 +257,8 @@ Kernel friction(int n) {
       for (int p = group.first_point; p < group.last_point; ++p, ++q) {
         const double lagged[2] = {shear(q, 0) * state.scales.stress, shear(q, 1) * state.scales.stress};
         const TangentialContact law(pair.stiffness(group), lagged, slip, none);
-        if (bound(q) > 0) force += pair.points.weight(p) * law.part(bound(q)) * Eigen::Vector2d(law.z[0], law.z[1]);
+        if (bound(q) > 0)
+          force += pair.points.weight(p) * law.carried_fraction(bound(q)) * Eigen::Vector2d(law.z[0], law.z[1]);
       }
       const Eigen::Vector2d first(frame(f).cosine, frame(f).sine), second(-frame(f).sine, frame(f).cosine);
       error = std::max({error, std::abs(linear(2 * f).force - first.dot(force)),

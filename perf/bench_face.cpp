@@ -25,7 +25,7 @@ FaceGrid grid_of(int size) {
   return grid;
 }
 
-HalfSpace::Patches patches(const FaceGrid& grid, double (*value)(const FacePlace&)) {
+HalfSpace::Patches patches(const FaceGrid& grid, double (*value)(const FacePosition&)) {
   const HalfSpace::Patches view("cgcontact::perf::patches", grid.size[0], grid.size[1]);
   const auto host = Kokkos::create_mirror_view(view);
   for (int n = 0; n < grid.num_patches(); ++n) host(n / grid.size[1], n % grid.size[1]) = value(grid.centre(n));
@@ -33,7 +33,7 @@ HalfSpace::Patches patches(const FaceGrid& grid, double (*value)(const FacePlace
   return view;
 }
 
-double hertz(const FacePlace& x) { return std::sqrt(std::max(1 - x.squaredNorm(), 0.0)) * 2 / pi; }
+double hertz(const FacePosition& x) { return std::sqrt(std::max(1 - x.squaredNorm(), 0.0)) * 2 / pi; }
 
 /// The plain sum, from a table of influences.
 void sum_all(const FaceGrid& grid, const HalfSpace::Patches& table, const HalfSpace::Patches& p,
@@ -93,7 +93,7 @@ Kernel make_product(int size) {
 Kernel make_problem(int size) {
   const FaceGrid grid = grid_of(size);
   const auto half_space = std::make_shared<HalfSpace>(ExecSpace(), grid, 1.0);
-  const HalfSpace::Patches gap = patches(grid, [](const FacePlace&x) { return x.squaredNorm() / 2; }),
+  const HalfSpace::Patches gap = patches(grid, [](const FacePosition&x) { return x.squaredNorm() / 2; }),
                            p("cgcontact::perf::pressure", size, size);
   const HalfSpace::Marks all("cgcontact::perf::all", size, size);
   Kokkos::deep_copy(all, char{1});

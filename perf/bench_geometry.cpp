@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "core/bodies/cell_pieces.hpp"
+#include "core/bodies/cell_facets.hpp"
 #include "core/cells/cut_cells.hpp"
 #include "perf/harness.hpp"
 

@@ -1,4 +1,4 @@
-/// The matrix-free operator, in double and in single precision: the whole of it and its parts, and Tpetra's CrsMatrix
+/// The matrix-free operator, in double and in single precision: the whole of it and its terms, and Tpetra's CrsMatrix
 /// with the same matrix, in the same run where it fits (`times_crs`: its time over the operator's).
 ///   cube     no cell cut: stencil nodes, and full cells at the faces; sizes are cells along an edge
 ///   ball     about 20 % of the cells cut at 46 cells across
@@ -10,7 +10,7 @@
 /// All results are compared with the plain kernels'.
 ///
 /// Bytes: every vector entry once (x read; y written, which counts twice), and what is stored of cells and faces. The
-/// parts of cut cells and ghost faces add to y: it is read and written at the nodes they touch.
+/// terms of cut cells and ghost faces add to y: it is read and written at the nodes they touch.
 #include <Tpetra_Core.hpp>
 #include <array>
 #include <memory>
@@ -28,10 +28,10 @@ using namespace cgcontact;
 using namespace cgcontact::perf;
 
 /// Beyond this the assembled matrix (1 kB per unknown, three times as much while it is made) is left out.
-constexpr int largest_assembled = 1200000;
+constexpr int max_assembled = 1200000;
 
 enum class Shape { cube, ball };
-enum class Part { all, interior, cut, ghost };
+enum class Term { all, interior, cut, ghost };
 
 /// A cube of full cells (make_cut_cells would call those at the faces cut).
 CutCells whole_cells(int n) {
@@ -119,47 +119,47 @@ std::array<double, 2> touched_nodes(const ElasticSystem& system) {
 /// face 156 and 96 per chain's two last layers. Bytes: a cut cell 27 moments, 4 node numbers, lanes; a full one the
 /// latter; a chain 16 and two node numbers per layer; a run of stencil nodes little.
 template <class Real>
-Cost part_cost(const ElasticSystem& system, const FastOperator<Real>& op, Part part) {
+Cost term_cost(const ElasticSystem& system, const FastOperator<Real>& op, Term term) {
   const auto& s = op.sizes();
   const double real = sizeof(Real), nodes = static_cast<double>(s.num_nodes);
   const auto number = [](long long n) { return static_cast<double>(n); };
   const std::array<double, 2> touched =
-      part == Part::cut || part == Part::ghost ? touched_nodes(system) : std::array<double, 2>{};
+      term == Term::cut || term == Term::ghost ? touched_nodes(system) : std::array<double, 2>{};
   Cost interior{108 * number(s.stencil_nodes), 0}, vectors{0, 9 * real * nodes};
   Cost cells{780 * number(s.cut_cells) + 243 * number(s.full_cells),
              number(s.cut_cells) * 27 * real + (number(s.cut_cells) + number(s.full_cells)) * 24};
   Cost ghosts{156 * number(s.ghost_faces) + 96 * number(s.ghost_chains),
               8 * number(s.ghost_faces) + 32 * number(s.ghost_chains)};
   Cost cost;
-  if (part == Part::all) cost = {interior.flop + cells.flop + ghosts.flop, vectors.bytes + cells.bytes + ghosts.bytes};
-  if (part == Part::interior) cost = {interior.flop, vectors.bytes};
-  if (part == Part::cut) cost = {cells.flop, cells.bytes + 9 * real * touched[0]};
-  if (part == Part::ghost) cost = {ghosts.flop, ghosts.bytes + 9 * real * touched[1]};
+  if (term == Term::all) cost = {interior.flop + cells.flop + ghosts.flop, vectors.bytes + cells.bytes + ghosts.bytes};
+  if (term == Term::interior) cost = {interior.flop, vectors.bytes};
+  if (term == Term::cut) cost = {cells.flop, cells.bytes + 9 * real * touched[0]};
+  if (term == Term::ghost) cost = {ghosts.flop, ghosts.bytes + 9 * real * touched[1]};
   cost.single = sizeof(Real) == 4;
   return cost;
 }
 
-/// Largest difference of a part from the plain kernels. The stencil gives the cells' share at nodes of full cells only;
+/// Largest difference of a term from the plain kernels. The stencil gives the cells' share at nodes of full cells only;
 /// elsewhere the cut cells complete it (or take back), so that both together are the plain sum over all cells.
 template <class Real>
-double part_error(const ElasticSystem& system, const FastOperator<Real>& op, Part part, const RealView& xd,
+double term_error(const ElasticSystem& system, const FastOperator<Real>& op, Term term, const RealView& xd,
                   const RealVector<Real>& x) {
   const BodyMesh& mesh = system.meshes[0];
   const RealView plain("cgcontact::perf::plain", xd.extent(0));
   const RealVector<Real> y("cgcontact::perf::y", xd.extent(0));
   std::vector<char> compared(mesh.num_nodes, 1);
   const ExecSpace exec;
-  if (part == Part::all) {
+  if (term == Term::all) {
     op.apply(exec, x, y);
     PlainOperator(system).apply(exec, xd, plain);
-  } else if (part == Part::ghost) {
+  } else if (term == Term::ghost) {
     op.add_band(exec, x, y, false, true);
     apply_ghost_faces(exec, colour_mesh(mesh), make_ghost_matrix(mesh, system.ghost_penalty), xd, plain);
   } else {
     op.apply_stencil(exec, x, y);
-    if (part == Part::cut) op.add_band(exec, x, y, true, false);
+    if (term == Term::cut) op.add_band(exec, x, y, true, false);
     apply_cells(exec, colour_mesh(mesh), make_cell_matrices(mesh, {}), xd, plain);
-    if (part == Part::interior) {
+    if (term == Term::interior) {
       std::vector<int> full_cells(mesh.num_nodes, 0);
       for (std::size_t e = 0; e < mesh.cell_nodes.size(); ++e)
         if (mesh.cut_cells->cut_of_active[e] < 0)
@@ -178,7 +178,7 @@ double part_error(const ElasticSystem& system, const FastOperator<Real>& op, Par
 }
 
 template <class Real>
-Kernel operator_kernel(Shape shape, int n, Part part) {
+Kernel operator_kernel(Shape shape, int n, Term term) {
   auto body = std::make_shared<Body>(shape, n);
   auto op = std::make_shared<FastOperator<Real>>(body->system);
   const int num_dofs = body->system.num_dofs();
@@ -187,18 +187,18 @@ Kernel operator_kernel(Shape shape, int n, Part part) {
   const RealVector<Real> y("cgcontact::perf::y", num_dofs);
   Kernel k;
   k.items = num_dofs;
-  k.cost = part_cost(body->system, *op, part);
-  k.error = part_error(body->system, *op, part, xd, x), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
+  k.cost = term_cost(body->system, *op, term);
+  k.error = term_error(body->system, *op, term, xd, x), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
   k.against = "the plain kernels";
-  k.run = [op, x, y, part] {
+  k.run = [op, x, y, term] {
     const ExecSpace exec;
-    if (part == Part::all) op->apply(exec, x, y);
-    if (part == Part::interior) op->apply_stencil(exec, x, y);
-    if (part == Part::cut) op->add_band(exec, x, y, true, false);
-    if (part == Part::ghost) op->add_band(exec, x, y, false, true);
+    if (term == Term::all) op->apply(exec, x, y);
+    if (term == Term::interior) op->apply_stencil(exec, x, y);
+    if (term == Term::cut) op->add_band(exec, x, y, true, false);
+    if (term == Term::ghost) op->add_band(exec, x, y, false, true);
   };
   k.figures = {{"cut_share", body->cut_share()}, {"B/DoF", static_cast<double>(op->sizes().bytes) / num_dofs}};
-  if (part == Part::all && num_dofs < largest_assembled) {
+  if (term == Term::all && num_dofs < max_assembled) {
     auto assembled = std::make_shared<Assembled>(body->system);
     k.baseline = [assembled] { assembled->apply(); };
     k.ratio = "times_crs";
@@ -229,8 +229,9 @@ Kernel crs(Shape shape, int n) {
   return k;
 }
 
-/// The way from the system to the matrix, against the plain twin, entry by entry on one thread. Per cell, 24 x 24 sums
-/// and the cell's nodes (its matrix once if it is cut); per ghost face 12 x 12 x 3; 12 bytes per entry are written.
+/// The way from the system to the matrix, against the plain reference, entry by entry on one thread. Per cell, 24 x 24
+/// sums and the cell's nodes (its matrix once if it is cut); per ghost face 12 x 12 x 3; 12 bytes per entry are
+/// written.
 Kernel assembly(Shape shape, int n) {
   auto body = std::make_shared<Body>(shape, n);
   auto map = body->system.dofs.vector_map(Tpetra::getDefaultComm());
@@ -249,7 +250,7 @@ Kernel assembly(Shape shape, int n) {
         k.error = std::max(k.error, std::abs(local.values(e) - value));
         largest = std::max(largest, std::abs(value));
       }
-    k.error /= largest, k.tolerance = 1e-14, k.against = "the plain twin";
+    k.error /= largest, k.tolerance = 1e-14, k.against = "the plain reference";
     const double cells = static_cast<double>(body->cut_cells.cells.size()),
                  cut = static_cast<double>(body->cut_cells.moments.size()),
                  faces = static_cast<double>(colour_mesh(body->system.meshes[0]).nodes_of_face.extent(0)),
@@ -269,7 +270,7 @@ Kernel setup(int n) {
   const RealView x = single_precision_vector(body->system.num_dofs());
   Kernel k;
   k.items = body->system.num_dofs();
-  k.error = part_error(body->system, FastOperator<Real>(body->system), Part::all, x, copy<Real>(x));
+  k.error = term_error(body->system, FastOperator<Real>(body->system), Term::all, x, copy<Real>(x));
   k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5, k.against = "the plain kernels";
   k.run = [body] { benchmark::DoNotOptimize(FastOperator<Real>(body->system).num_dofs()); };
   return k;
@@ -294,7 +295,7 @@ struct Applied {
     x = copy<Real>(xd);
   }
   void apply() const { op.apply(ExecSpace(), x, y); }
-  double error() const { return part_error(problem.system, op, Part::all, xd, x); }
+  double error() const { return term_error(problem.system, op, Term::all, xd, x); }
   double cut_share() const {
     const CutCells& cc = problem.cut_cells;
     return static_cast<double>(cc.moments.size()) / static_cast<double>(cc.cells.size());
@@ -381,12 +382,12 @@ Kernel groups(int n) {
 
 template <class Real>
 void add_all(const std::string& precision) {
-  const auto part = [](Shape shape, Part p) { return [=](int n) { return operator_kernel<Real>(shape, n, p); }; };
-  add("operator/cube_" + precision, part(Shape::cube, Part::all), {{6}, {36, 60, 118}});
-  add("operator/ball_" + precision, part(Shape::ball, Part::all), {{6}, {46}});
-  add("operator/interior_" + precision, part(Shape::ball, Part::interior), {{6}, {46}});
-  add("operator/cut_" + precision, part(Shape::ball, Part::cut), {{6}, {46}});
-  add("operator/ghost_" + precision, part(Shape::ball, Part::ghost), {{6}, {46}});
+  const auto term = [](Shape shape, Term p) { return [=](int n) { return operator_kernel<Real>(shape, n, p); }; };
+  add("operator/cube_" + precision, term(Shape::cube, Term::all), {{6}, {36, 60, 118}});
+  add("operator/ball_" + precision, term(Shape::ball, Term::all), {{6}, {46}});
+  add("operator/interior_" + precision, term(Shape::ball, Term::interior), {{6}, {46}});
+  add("operator/cut_" + precision, term(Shape::ball, Term::cut), {{6}, {46}});
+  add("operator/ghost_" + precision, term(Shape::ball, Term::ghost), {{6}, {46}});
   add("operator/contact_" + precision, groups<Real>, {{5}, {32}});
   add("operator/setup_" + precision, setup<Real>, {{6}, {46}});
   add("operator/tree_" + precision, tree<Real>, {{6}, {68}});

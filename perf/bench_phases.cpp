@@ -80,17 +80,17 @@ RealView made_up_displacement(const Simulation& sim) {
 /// Half of each pair's points are closed: those at the lower end of a slanted line.
 void made_up_contact(Simulation& sim) {
   for (ContactPair& pair : sim.state.pairs) {
-    const auto place = [](const ContactPoint& q) { return q.x.dot(Vec3(0.1, 1, 0.2)); };
+    const auto coordinate = [](const ContactPoint& q) { return q.x.dot(Vec3(0.1, 1, 0.2)); };
     double mean = 0;
-    for (const ContactPoint& q : pair.points) mean += place(q) / static_cast<double>(pair.points.size());
-    for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, place(pair.points[q]) < mean);
+    for (const ContactPoint& q : pair.points) mean += coordinate(q) / static_cast<double>(pair.points.size());
+    for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, coordinate(pair.points[q]) < mean);
   }
 }
 
 void run(const Scene& scene) {
   Recorder phase;
   Simulation sim(scene);
-  phase("prepare (cut cells, pairs)", [&] { sim.place_on_grids(); });
+  phase("prepare (cut cells, pairs)", [&] { sim.set_up_grids(); });
   phase("mesh, operator", [&] { sim.make_system(); });
   std::vector<BoundaryStress> stress;
   phase("boundary stress, patches", [&] {
@@ -101,7 +101,7 @@ void run(const Scene& scene) {
   std::vector<double> load;
   phase("load vector", [&] { load = make_load_vector(sim.state.bodies, sim.state.system, sim.state.scales); });
   phase("(displacement)", [&] { sim.state.outer.u = made_up_displacement(sim); });
-  sim.state.outer.rigid_parts.resize(sim.state.bodies.size());
+  sim.state.outer.body_motions.resize(sim.state.bodies.size());
   made_up_contact(sim);
   sim.state.outer.group_force.assign(sim.state.system.group_rows.size(), 0.0);
   sim.state.outer.support_stress.assign(sim.state.supports.size(), 0.0);

@@ -13,7 +13,7 @@
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
 #include "recovery/batched/batched_fit.hpp"
-#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/boundary_facets.hpp"
 #include "recovery/constrained/fit_kernels.hpp"
 #include "recovery/constrained/patch_lists.hpp"
 #include "recovery/constrained/recover_stress.hpp"
@@ -86,7 +86,7 @@ Kernel cell_stress(int size) {
   return k;
 }
 
-/// Plain twin of one fit: normal equations summed cell by cell, solved by Eigen.
+/// Plain reference of one fit: normal equations summed cell by cell, solved by Eigen.
 Eigen::Matrix<double, num_terms, 6> plain_fit(const SprProblem& p, int n) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, num_terms, 6> rhs = rhs.Zero();
@@ -182,12 +182,12 @@ class PatchBuilder {
         body_(body),
         other_(1 - body),
         degree_(degree),
-        pieces_(p_.bodies[body].cut_cells, p_.bodies[body].boundary) {}
+        facets_(p_.bodies[body].cut_cells, p_.bodies[body].boundary) {}
 
   /// False if the node's patch is not of the kind asked for.
   bool build(int n, bool contact, Patch& patch) {
     const PatchSet& set = patches_[body_];
-    const auto groups = pieces_.groups(&set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n]);
+    const auto groups = facets_.groups(&set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n]);
     const bool touches = std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.pair >= 0; });
     if (groups.empty() || touches != contact) return false;
     const Index3& node = p_.system.meshes[body_].nodes[n];
@@ -220,13 +220,13 @@ class PatchBuilder {
     return p_.bodies[other_].cut_cells.grid.to_grid(p_.bodies[body_].cut_cells.grid.to_global(x));
   }
 
-  static void set_part(FitRow<2>& row, int b, const Vec3& place, const Vec3& n, const Vec3& e) {
+  static void set_term(FitRow<2>& row, int b, const Vec3& position, const Vec3& n, const Vec3& e) {
     traction_weight(n.data(), e.data(), row.weight[b]);
-    for (int i = 0; i < 3; ++i) row.place[b][i] = place[i];
+    for (int i = 0; i < 3; ++i) row.position[b][i] = position[i];
   }
-  static FitRow<2> row_of(int b, const Vec3& place, const Vec3& n, const Vec3& e) {
+  static FitRow<2> row_of(int b, const Vec3& position, const Vec3& n, const Vec3& e) {
     FitRow<2> row{};
-    set_part(row, b, place, n, e);
+    set_term(row, b, position, n, e);
     row.value = Eigen::Vector2d::Random()[0];
     return row;
   }
@@ -253,7 +253,7 @@ class PatchBuilder {
       const Vec3 e = to_other(x) - other_centre_, m = turn * n;
       rows.push_back(row_of(1, e, m, turn * t1));
       rows.push_back(row_of(1, e, m, turn * t2));
-      set_part(normal, 1, e, m, -m);
+      set_term(normal, 1, e, m, -m);
     }
     rows.push_back(normal);
   }
@@ -261,7 +261,7 @@ class PatchBuilder {
   const SolvedState& p_;
   const std::vector<PatchSet>& patches_;
   int body_, other_, degree_;
-  BoundaryPieces pieces_;
+  BoundaryFacets facets_;
   Vec3 centre_, other_centre_;
 };
 
@@ -288,7 +288,7 @@ struct PatchBatch {
       FitRow<bodies>& row = rows.back().emplace_back();
       for (int b = 0; b < bodies; ++b) {
         std::copy_n(from.weight[b], 6, row.weight[b]);
-        std::copy_n(from.place[b], 3, row.place[b]);
+        std::copy_n(from.position[b], 3, row.position[b]);
       }
       row.value = from.value;
     }
@@ -297,14 +297,14 @@ struct PatchBatch {
     inputs.push_back(in);
   }
 
-  /// Parts as the recovery hands them out, to all threads.
+  /// Chunks as the recovery hands them out, to all threads.
   void fit(std::vector<Input>& fitted, std::vector<FitStatus>& status) const {
-    constexpr std::size_t part = 2048;
+    constexpr std::size_t chunk = 2048;
     fitted = inputs;
     status.resize(inputs.size());
-    for (std::size_t begin = 0; begin < inputs.size(); begin += part)
+    for (std::size_t begin = 0; begin < inputs.size(); begin += chunk)
       fit_batch(Kokkos::DefaultHostExecutionSpace(), &fitted[begin],
-                static_cast<int>(std::min(part, inputs.size() - begin)), RecoveryOptions{}.rank_tolerance_of(degree),
+                static_cast<int>(std::min(chunk, inputs.size() - begin)), RecoveryOptions{}.rank_tolerance_of(degree),
                 &status[begin]);
   }
 };
@@ -332,7 +332,7 @@ struct DensePatch {
       }
       for (int r = 0; r < in.num_rows; ++r) {
         double terms[T];
-        P::terms(in.rows[r].place[b], terms);
+        P::terms(in.rows[r].position[b], terms);
         for (int c = 0; c < 6; ++c)
           for (int t = 0; t < T; ++t)
             C(bodies * interior + r, (b * 6 + c) * T + t) = in.rows[r].weight[b][c] * terms[t];
@@ -426,7 +426,7 @@ void set_figures(const PatchBatch<degree, bodies>& batch, Kernel& k) {
   k.figures = {{"rows", rows / k.items}};
 }
 
-/// The copy of the unconstrained coefficients is part of the run. Flop: fit_flop; bytes: input once, coefficients
+/// The copy of the unconstrained coefficients is included in the run. Flop: fit_flop; bytes: input once, coefficients
 /// back.
 template <int degree, int bodies>
 Kernel batched(int n, bool truncated) {
@@ -608,7 +608,7 @@ Kernel sum_fits(int size) {
   return k;
 }
 
-/// The copy of the unconstrained fit is part of the run. As if every patch were one constrained fit with the rows
+/// The copy of the unconstrained fit is included in the run. As if every patch were one constrained fit with the rows
 /// PatchBuilder would give it, after an unconstrained one (133 flop per cell, 222 per patch; 296 bytes per cell).
 /// Finding the groups of boundary points is not counted.
 Cost whole_cost(const SceneProblem& problem) {
@@ -616,11 +616,11 @@ Cost whole_cost(const SceneProblem& problem) {
   for (std::size_t b = 0; b < problem.system.meshes.size(); ++b) {
     const PatchSet& set = problem.patches[b];
     const BodyModel& model = problem.simulation.state.bodies[b];
-    const BoundaryPieces pieces(model.cut_cells, model.boundary);
+    const BoundaryFacets facets(model.cut_cells, model.boundary);
     for (int n = 0; n < problem.system.meshes[b].num_nodes; ++n) {
       const int cells = set.begin[n + 1] - set.begin[n];
       int rows = 3, columns = num_unknowns;
-      for (const ConstraintGroup& g : pieces.groups(&set.cells[set.begin[n]], cells)) {
+      for (const ConstraintGroup& g : facets.groups(&set.cells[set.begin[n]], cells)) {
         const bool support = g.pair < 0 && model.boundary.conditions[g.condition].is_support();
         rows += g.num_points * (g.pair >= 0 ? 5 : support ? 2 : 3);
         if (g.pair >= 0 && columns == num_unknowns) {

@@ -35,7 +35,7 @@ using Teuchos::RCP;
 using Teuchos::rcp;
 
 constexpr double tolerance = 1e-8;
-constexpr int most_iterations = 500;
+constexpr int max_iterations = 500;
 
 double dot(const RealView& x, const RealView& y) {
   double sum = 0;
@@ -230,7 +230,7 @@ class Way {
  public:
   double setup_s = 0, solve_s = 0, held = 0, peak = 0, before = 0;
   int iterations = 0;
-  double part_s = 0;  ///< of the set-up: assembly
+  double assembly_s = 0;  ///< included in the set-up
 
   void start() {
     before = trimmed_memory();  // what was freed before does not hide what is taken now
@@ -259,7 +259,7 @@ void solve_with_multigrid(const ElasticSystem& system, const RealView& b, const 
   solver.update();
   way.lap(way.setup_s);
   way.set_up();
-  way.iterations = solver.solve(b, x, tolerance * std::sqrt(dot(b, b)), most_iterations).iterations;
+  way.iterations = solver.solve(b, x, tolerance * std::sqrt(dot(b, b)), max_iterations).iterations;
   way.lap(way.solve_s);
   way.stop();
 }
@@ -268,10 +268,10 @@ void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
   way.start();
   const RCP<const TpetraMap> map = p.system.dofs.vector_map(Tpetra::getDefaultComm());
   const RCP<TpetraMatrix> matrix = assemble_matrix(p.system, map);
-  way.lap(way.part_s);
+  way.lap(way.assembly_s);
   const RCP<TpetraOperator> muelu = make_muelu(p.system, map, matrix);
   way.lap(way.setup_s);
-  way.setup_s += way.part_s;
+  way.setup_s += way.assembly_s;
   way.set_up();
   const auto rhs = rcp(new TpetraVector(map, 1)), solution = rcp(new TpetraVector(map, 1));
   {
@@ -279,7 +279,7 @@ void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
     for (std::size_t i = 0; i < p.b.extent(0); ++i) host(i, 0) = p.b(i);
   }
   way.iterations =
-      solve_krylov(LinearMethod::flexible_cg, matrix, muelu, rhs, solution, 0.95 * tolerance, most_iterations);
+      solve_krylov(LinearMethod::flexible_cg, matrix, muelu, rhs, solution, 0.95 * tolerance, max_iterations);
   way.lap(way.solve_s);
   way.stop();
   const auto host = solution->getLocalViewHost(Tpetra::Access::ReadOnly);
@@ -322,7 +322,7 @@ Kernel solve(int n) {
                       {"set_up_B/DoF", ours.held / size},
                       {"B/DoF", ours.peak / size},
                       {"muelu_iterations", static_cast<double>(theirs.iterations)},
-                      {"muelu_assembly_s", theirs.part_s},
+                      {"muelu_assembly_s", theirs.assembly_s},
                       {"muelu_setup_s", theirs.setup_s},
                       {"muelu_solve_s", theirs.solve_s},
                       {"muelu_DoF/s", size / (theirs.setup_s + theirs.solve_s)},

@@ -112,10 +112,10 @@ struct CgStep {
 
 Kernel make_cg_step(int size) {
   auto v = std::make_shared<Vectors>(size);
-  Vectors twin(size);
+  Vectors plain(size);
   double error = 0;
   for (int step = 0; step < 2; ++step) {
-    const double a = CgStep::run(*v, 0.5, 0.25), b = CgStep::plain(twin, 0.5, 0.25);
+    const double a = CgStep::run(*v, 0.5, 0.25), b = CgStep::plain(plain, 0.5, 0.25);
     error = std::max(error, std::abs(a - b) / v->size);
   }
   Kernel k;

@@ -1,7 +1,7 @@
 /// Common frame of the microbenchmarks: a kernel says what one call costs and how far its result is off; the frame
 /// refuses wrong results, times the calls, and reports rates beside the machine's limits measured in the same program.
 ///
-///   Kernel make_dot(int n) {                      // builds the problem, runs once, compares with the plain twin
+///   Kernel make_dot(int n) {                      // builds the problem, runs once, compares with the plain reference
 ///     ...
 ///     Kernel k;
 ///     k.unit = "DoF", k.items = n;

@@ -5,8 +5,8 @@
 ///   from Kokkos 4 on)
 ///
 /// Kernels are what the starting thread dispatches or copies (parallel_for, parallel_reduce, parallel_scan, deep_copy);
-/// one inside another counts for the outer one. Regions are those that are not inside another; "in kernels" is the part
-/// of their time that kernels take.
+/// one inside another counts for the outer one. Regions are those that are not inside another; "in kernels" is the time
+/// that kernels take of theirs.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -25,7 +25,7 @@ struct Sum {
   double seconds = 0, in_kernels = 0;
 };
 
-/// Everything is kept for the thread that starts Kokkos; other threads' calls are parts of its kernels.
+/// Everything is kept for the thread that starts Kokkos; other threads' calls belong to its kernels.
 struct Timer {
   std::thread::id thread;
   double start = 0, kernel_start = 0, region_start = 0, kernels_before_region = 0, in_kernels = 0;

@@ -18,15 +18,15 @@
 namespace cgcontact::perf {
 namespace {
 
-/// Entries of a part are a multiple of a cache line, so that no two threads share one.
+/// Entries of a chunk are a multiple of a cache line, so that no two threads share one.
 constexpr std::size_t line = 8;
 
-template <class Part>
-void for_each_thread(const char* label, const Part& part) {
+template <class Work>
+void for_each_thread(const char* label, const Work& work) {
   const ExecSpace exec;
   const int threads = ExecSpace::concurrency();
   Kokkos::parallel_for(label, Kokkos::RangePolicy<ExecSpace>(exec, 0, threads, Kokkos::ChunkSize(1)),
-                       [=](const int thread) { part(thread, threads); });
+                       [=](const int thread) { work(thread, threads); });
   exec.fence();
 }
 
@@ -34,7 +34,7 @@ struct Range {
   std::size_t begin, end;
 };
 
-Range part_of(std::size_t size, int thread, int threads) {
+Range chunk_of(std::size_t size, int thread, int threads) {
   const std::size_t lines = size / line;
   return {lines * thread / threads * line, lines * (thread + 1) / threads * line};
 }
@@ -144,9 +144,9 @@ Triad::Triad(std::size_t size)
   for (const RealView& v : {a_, b_, c_}) ask_for_large_pages(v);
   const auto a = a_, b = b_, c = c_;
   const std::size_t n = size_;
-  // Every thread touches its part first: the pages lie near it.
+  // Every thread touches its chunk first: the pages lie near it.
   for_each_thread("cgcontact::perf::triad_start", [=](int thread, int threads) {
-    const Range range = part_of(n, thread, threads);
+    const Range range = chunk_of(n, thread, threads);
     for (std::size_t i = range.begin; i < range.end; ++i) {
       a(i) = 0;
       b(i) = b_value(i);
@@ -159,7 +159,7 @@ void Triad::run(bool streaming) const {
   double *const a = a_.data(), *const b = b_.data(), *const c = c_.data();
   const std::size_t n = size_;
   for_each_thread("cgcontact::perf::triad", [=](int thread, int threads) {
-    (streaming ? streaming_triad : triad)(a, b, c, factor, part_of(n, thread, threads));
+    (streaming ? streaming_triad : triad)(a, b, c, factor, chunk_of(n, thread, threads));
   });
 }
 

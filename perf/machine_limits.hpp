@@ -8,7 +8,7 @@
 
 namespace cgcontact::perf {
 
-/// a = b + s c on three long vectors, each thread on its own part.
+/// a = b + s c on three long vectors, each thread on its own chunk.
 /// Plain stores: the processor reads a's cache lines before it overwrites them (write-allocate), 32 bytes per entry
 /// move and are counted. Streaming stores bypass the cache: 24 bytes per entry move and are counted.
 class Triad {

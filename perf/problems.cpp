@@ -74,7 +74,7 @@ SceneProblem::SceneProblem(const std::string& file, const std::vector<std::strin
     : scene(read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/" + file, overrides)),
       simulation(scene),
       system(simulation.state.system) {
-  simulation.place_on_grids();
+  simulation.set_up_grids();
   simulation.make_system();
   patches = make_patches(system.meshes, scene.recovery.patch_volume);
   set_group_stiffness(system, system.full_group_stiffness);

@@ -11,7 +11,7 @@ An iteration of CG (with a multigrid cycle) on P ranks and N unknowns takes
     latency    messages x latency
     sums       reductions x (2 latency log2 P + bytes summed / bandwidth)
 rate: of one rank, measured; load: of the rank with most cells to compute (a cut one counts CUT_CELL), those at borders that two
-ranks compute included, over the P-th part of one rank's; WHOLE: from profiles; messages, bytes and reductions: counted on 2 to 16 ranks, extended by N and P:
+ranks compute included, over 1/P of one rank's; WHOLE: from profiles; messages, bytes and reductions: counted on 2 to 16 ranks, extended by N and P:
 bytes per rank ~ (N / P)^(2/3), the summed surface rows ~ N^(2/3). The network is one of a cluster of 2024: InfiniBand NDR 200, 24 GB/s per
 node and 64 ranks per node share it; 1.3 us from rank to rank.
 
@@ -58,7 +58,7 @@ class Model:
         self.reductions = last["rank_figures"][0]["reductions"] / cycles
         self.summed = last["rank_figures"][0]["reduced_bytes"] / cycles / self.unknowns ** (2 / 3)
 
-    def parts(self, unknowns, ranks):
+    def terms(self, unknowns, ranks):
         """Seconds of an iteration: compute, whole, bandwidth, latency, sums."""
         load = 1 if ranks == 1 else self.load.get(ranks, max(self.load.values()))
         compute, whole = (1 - WHOLE) * unknowns / ranks * load / self.rate, WHOLE * unknowns / self.rate
@@ -76,17 +76,17 @@ def table(title, rows):
     print(title)
     print(f"{'ranks':>8} {'unknowns':>14} {'s/iteration':>12} {'compute':>8} {'whole':>7} {'bandw.':>7} {'latency':>8} {'sums':>7} "
           f"{'efficiency':>11} {'divided':>8} {'GB/rank, whole':>15}")
-    for ranks, unknowns, parts, of_all, of_divided in rows:
-        total = sum(parts)
-        shares = " ".join(f"{part / total:7.1%}" for part in parts)
+    for ranks, unknowns, terms, of_all, of_divided in rows:
+        total = sum(terms)
+        shares = " ".join(f"{term / total:7.1%}" for term in terms)
         print(f"{ranks:8d} {unknowns:14.3g} {total:12.3g} {shares} {of_all:11.2f} {of_divided:8.2f} "
               f"{unknowns * REPLICATED_PER_UNKNOWN / 1e9:15.3g}")
     print()
 
 
-def efficiencies(one, parts, share):
+def efficiencies(one, terms, share):
     """Of all, and of what is divided."""
-    return share * sum(one) / sum(parts), share * one[0] / (sum(parts) - parts[1])
+    return share * sum(one) / sum(terms), share * one[0] / (sum(terms) - terms[1])
 
 
 def main():
@@ -99,17 +99,17 @@ def main():
           f"{model.reductions:.0f} reductions per iteration\n")
     print("beside the measurement (one machine: its network is its memory, and ranks beyond its cores wait)")
     for ranks, seconds in sorted(model.measured.items()):
-        print(f"{ranks:8d} ranks: model {sum(model.parts(model.unknowns, ranks)) * 1e3:7.1f} ms, measured {seconds * 1e3:7.1f} ms")
+        print(f"{ranks:8d} ranks: model {sum(model.terms(model.unknowns, ranks)) * 1e3:7.1f} ms, measured {seconds * 1e3:7.1f} ms")
     print()
     counts = [1, 2, 4, 16, 64, 256, 1024, 4096]
     for unknowns in (1e9, 1e10, 1e11):
-        one = model.parts(unknowns, 1)
+        one = model.terms(unknowns, 1)
         table(f"strong scaling, {unknowns:.0e} unknowns",
-              [(p, unknowns, model.parts(unknowns, p), *efficiencies(one, model.parts(unknowns, p), 1 / p)) for p in counts[3:]])
+              [(p, unknowns, model.terms(unknowns, p), *efficiencies(one, model.terms(unknowns, p), 1 / p)) for p in counts[3:]])
     per_rank = 1e6
-    one = model.parts(per_rank, 1)
+    one = model.terms(per_rank, 1)
     table(f"weak scaling, {per_rank:.0e} unknowns per rank",
-          [(p, per_rank * p, model.parts(per_rank * p, p), *efficiencies(one, model.parts(per_rank * p, p), 1)) for p in counts])
+          [(p, per_rank * p, model.terms(per_rank * p, p), *efficiencies(one, model.terms(per_rank * p, p), 1)) for p in counts])
 
 
 if __name__ == "__main__":

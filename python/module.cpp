@@ -163,8 +163,8 @@ class PythonScene {
   std::string check() const {
     return on_trilinos([&] {
       const Scene on_grids = on_first_grids(*scene_);
-      Preparation preparation = lay_out(on_grids, false);
-      complete(on_grids, preparation);
+      Preparation preparation = discretise(on_grids, false);
+      validate(on_grids, preparation);
       return describe(on_grids, preparation);
     });
   }

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Builds the part of Trilinos that cgcontact uses with Kokkos' OpenMP backend, from Debian's source package, into a cache
+# Builds the packages of Trilinos that cgcontact uses with Kokkos' OpenMP backend, from Debian's source package, into a cache
 # outside of the tree. Resumes where it was interrupted; does nothing, at once, when the cache is there.
 #
 #   scripts/build_trilinos_openmp.sh            build it (make trilinos-openmp)

@@ -14,8 +14,8 @@ namespace {
 constexpr double slowest = 0.75;
 
 Vec3 at_boundary(const SolvedState& state, int body, int point) {
-  const CellPoint place = place_of_boundary_point(state.bodies[body], point);
-  return displacement(state, body, place.cell, place.xi);
+  const CellPoint cell_point = cell_point_of(state.bodies[body], point);
+  return displacement(state, body, cell_point.cell, cell_point.xi);
 }
 
 Vec3 mean_over_face(const SolvedState& state, const FaceRef& face) {
@@ -35,9 +35,9 @@ Vec3 mean_over_points(const SolvedState& state, const ProbeSpec& probe) {
   for (const Vec3& x : probe.points)
     for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
       if (probe.body >= 0 && probe.body != b) continue;
-      const std::optional<CellPoint> place = place_in(state.bodies[b], x);
-      if (!place) continue;
-      sum += displacement(state, b, place->cell, place->xi);
+      const std::optional<CellPoint> cell_point = find_cell_point(state.bodies[b], x);
+      if (!cell_point) continue;
+      sum += displacement(state, b, cell_point->cell, cell_point->xi);
       ++count;
     }
   return count > 0 ? Vec3(sum / count) : sum;

@@ -16,7 +16,7 @@ constexpr double measuring_cells = 8;
 Vec3 extent(const BodySpec& body, double across) {
   Vec3 min, max;
   if (!body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max))
-    throw InputError(body.place, "\"" + body.name + "\"", "the body is not bounded",
+    throw InputError(body.location, "\"" + body.name + "\"", "the body is not bounded",
                      "intersect half-spaces with a box");
   Vec3 extent = max - min;
   if (body.quadtree) extent[static_cast<int>(*body.plane_strain)] = across;
@@ -46,7 +46,7 @@ std::vector<double> first_cell_sizes(const Scene& scene) {
   for (std::size_t b = 0; b < sizes.size(); ++b) {
     if (sizes[b] > 0) continue;
     const double through = models[b].free_thickness / options.first_cells_through;
-    const double affordable = size_of_cells(models[b], options.most_first_cells);
+    const double affordable = size_of_cells(models[b], options.max_first_cells);
     const double size = measured.bodies[b].cell_size * std::max(through, affordable);
     sizes[b] = std::min(size, extent(measured.bodies[b], std::numeric_limits<double>::infinity()).minCoeff());
   }

@@ -20,7 +20,7 @@ double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
 
 /// Returns whether the faces of a pair without a force may still touch.
 bool is_unclear(const Results& results, std::size_t pair) {
-  return results.pairs[pair].least_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
+  return results.pairs[pair].min_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
 }
 
 std::optional<double> shear_error(const PairFigures& pair) {
@@ -38,14 +38,14 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
     // The gap's error is a multiple of that square, too (open_gaps.hpp).
     if (is_unclear(results, p))
       allowed = std::min(
-          allowed, results.estimated_error_relative * refinement_to_tell(*figures.least_gap, *figures.least_gap_error));
+          allowed, results.estimated_error_relative * refinement_to_tell(*figures.min_gap, *figures.min_gap_error));
     if (!zones[p].relevant || !zones[p].resolved) continue;
     const double by_energy = std::pow(results.estimated_error_relative, 2);
     // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).
     const double factor = figures.force_error_estimate && by_energy > 0 ? *figures.force_error_estimate / by_energy : 0;
     if (options.force && factor > 0) allowed = std::min(allowed, std::sqrt(*options.force / factor));
     if (const auto target = options.pressure_of(figures.name))
-      allowed = std::min(allowed, std::sqrt(options.force_part * *target));
+      allowed = std::min(allowed, std::sqrt(options.force_fraction * *target));
   }
   auto error = displacement.begin();  // goes with the square of the energy norm's
   for (const NamedTarget& target : options.named)
@@ -89,7 +89,7 @@ void halve(GridSizes& sizes) {
   sizes.change = 0.5;
 }
 
-std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor, double most_cells) {
+std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor, double max_cells) {
   const AccuracyOptions& options = given.accuracy;
   auto scene = std::make_unique<Scene>(given);
   for (std::size_t b = 0; b < scene->bodies.size(); ++b) {
@@ -105,7 +105,7 @@ std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes
     };
     add(sizes.zones[b], options.grading);
     add(sizes.energy[b], options.energy_grading);
-    body.most_cells = most_cells;
+    body.max_cells = max_cells;
     body.cell_size = std::ldexp(smallest, halvings(sizes.first[b], smallest));  // halvings end with the smallest size
   }
   return scene;
@@ -182,20 +182,20 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
     all_resolved &= zone.resolved;
     // Cells of the zone answer for what the pressure is off at its force, those elsewhere for the force.
     const double estimate = results.pairs[p].pressure_error_estimate,
-                 by_force = results.pairs[p].force_part_of_pressure;
+                 by_force = results.pairs[p].force_error_of_pressure;
     const std::optional<double> target = options.pressure_of(results.pairs[p].name);
     const double ratio =
         by_force > 0 && target
             ? next_size_ratio(zone, std::sqrt(std::max(estimate * estimate - by_force * by_force, 0.0)),
-                              *target * std::sqrt(1 - options.force_part * options.force_part), options)
+                              *target * std::sqrt(1 - options.force_fraction * options.force_fraction), options)
             : next_size_ratio(zone, estimate, target, options);
     if (zone.resolved && !zone.width && ratio < 1)
       size_by_error(state, results, static_cast<int>(p), options.aim * *target, zone);
     else
-      for (SizedBall& ball : zone.places) ball.size = ratio * zone.cell;
+      for (SizedBall& ball : zone.balls) ball.size = ratio * zone.cell;
     const double by_shear = size_by_shear(state, results, static_cast<int>(p), zones[p], zone);
     next.change = std::min({next.change, ratio, by_shear});
-    for (SizedBall& ball : zone.places) {
+    for (SizedBall& ball : zone.balls) {
       ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
       for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);
     }

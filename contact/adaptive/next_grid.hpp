@@ -21,10 +21,10 @@ GridSizes first_sizes(const Scene& scene);
 /// Halves all first cells.
 void halve(GridSizes& sizes);
 
-/// Returns the scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: limit
+/// Returns the scene on grids of these sizes; cells smaller than the first become larger by a factor. max_cells: limit
 /// of each body (BodySpec).
 std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1,
-                                      double most_cells = std::numeric_limits<double>::infinity());
+                                      double max_cells = std::numeric_limits<double>::infinity());
 
 /// Returns the scene on the grids that its first solve has.
 Scene on_first_grids(const Scene& scene);

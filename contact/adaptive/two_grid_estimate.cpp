@@ -66,7 +66,7 @@ std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, con
     const Factors& factors = figures.pressure_on_face ? on_face : of_stress;
     if (!earlier.state || (in_line && figures.pressure_on_face)) error *= in_line ? factors.in_line : factors.in_space;
     if (figures.pressure_error_estimate > 0) factor[p] = error / figures.pressure_error_estimate;
-    figures.pressure_error_estimate = std::hypot(error, figures.force_part_of_pressure);
+    figures.pressure_error_estimate = std::hypot(error, figures.force_error_of_pressure);
   }
   for (ContactRow& row : results.contact_rows) row.pressure_error *= factor[row.pair];
   estimate_peak_errors(results);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "contact/adaptive/small_zone_places.hpp"
+#include "contact/adaptive/small_zone_positions.hpp"
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/friction_capacity.hpp"
 #include "contact/results/missed_contact.hpp"
@@ -14,17 +14,17 @@
 namespace cgcontact {
 namespace {
 
-/// Half the diagonal of a square over its side: the ball around a group's centre that holds its boundary piece.
+/// Half the diagonal of a square over its side: the ball around a group's centre that holds its facets.
 constexpr double half_square_diagonal = 0.71;
 
 /// Largest refinement at once where the position of a zone is known.
-constexpr double most_narrowing = 1000;
+constexpr double max_narrowing = 1000;
 
 /// Cells across a zone below which its closed groups hardly show its position and width.
 constexpr double about_a_cell = 2.5;
 
 /// Growth of the local cell size from one grid to the next.
-constexpr double largest_growth = 2;
+constexpr double max_growth = 2;
 
 SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {
   return {centre_of(pair, group), half_square_diagonal * group.larger_cell, group.larger_cell};
@@ -32,9 +32,9 @@ SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {
 
 void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneState& zone) {
   double smallest = 1e300;
-  for (std::size_t g = 0; g < pair.num_pieces(); ++g)
+  for (std::size_t g = 0; g < pair.num_surface_groups(); ++g)
     if (const ContactGroup& group = pair.groups[g]; is_closed(pair, group)) {
-      zone.places.push_back(ball_of(pair, group));
+      zone.balls.push_back(ball_of(pair, group));
       smallest = std::min(smallest, group.larger_cell);
     }
   zone.cell = width.cells ? width.cell : smallest;
@@ -42,18 +42,18 @@ void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneStat
 }
 
 /// Adds groups whose faces are nearer to each other than a fraction of a cell, although nothing is closed.
-void add_near_groups(const SolvedState& state, const ContactPair& pair, double part, ZoneState& zone) {
+void add_near_groups(const SolvedState& state, const ContactPair& pair, double fraction, ZoneState& zone) {
   for (const ContactGroup& group : pair.groups) {
     double gap = 1e300;
     for (int q = group.first_point; q < group.last_point; ++q)
       gap = std::min(gap, pair.points.distance(q) - pair.interference + gap_change(state, pair, pair.points[q]));
-    if (gap > part * group.larger_cell) continue;
-    zone.places.push_back(ball_of(pair, group));
+    if (gap > fraction * group.larger_cell) continue;
+    zone.balls.push_back(ball_of(pair, group));
     zone.cell = std::max(zone.cell, group.larger_cell);
   }
 }
 
-/// Returns the ratios of new to present cells of the closed groups of a pair (one per place of its zone) with the
+/// Returns the ratios of new to present cells of the closed groups of a pair (one per ball of its zone) with the
 /// fewest cells for `target` as the relative error, as errors fall like the size. error, size: of a row, squared.
 /// Empty: no error.
 template <class ErrorOf, class SizeOf>
@@ -71,7 +71,7 @@ std::vector<double> ratios_by_error(const SolvedState& state, const Results& res
   }
   std::vector<double> errors;
   double of_groups = 0;
-  for (std::size_t g = 0; g < pair.num_pieces(); ++g)
+  for (std::size_t g = 0; g < pair.num_surface_groups(); ++g)
     if (const ContactGroup& group = pair.groups[g]; is_closed(pair, group)) {
       errors.push_back(squared[{group.body, group.cell}]);
       of_groups += errors.back();
@@ -107,7 +107,7 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     const ContactPair& pair = state.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     if (results.pairs[p].active_points > 0) {
-      zone.relevant = pressing_force(results.pairs[p]) >= relevant_part_of_force * largest;
+      zone.relevant = pressing_force(results.pairs[p]) >= relevant_force_fraction * largest;
       zone.resolved = verdict.state == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
       zone.needed = verdict.cell_size_needed;
@@ -117,11 +117,11 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     }
     for (const MissedOverlap& overlap : missed)
       if (overlap.pair == static_cast<int>(p)) {
-        zone.places.push_back({overlap.x, overlap.cell, overlap.cell});
+        zone.balls.push_back({overlap.x, overlap.cell, overlap.cell});
         zone.cell = overlap.cell;
       }
-    if (zone.places.empty()) add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
-    zone.relevant = !zone.places.empty();
+    if (zone.balls.empty()) add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
+    zone.relevant = !zone.balls.empty();
   }
   return zones;
 }
@@ -132,7 +132,7 @@ void size_by_error(const SolvedState& state, const Results& results, int p, doub
   const auto size = [&](const ContactRow& row) { return std::pow(size_of_traction(row, bonded), 2); };
   const std::vector<double> ratios = ratios_by_error(state, results, p, target, error, size);
   for (std::size_t g = 0; g < ratios.size(); ++g)
-    zone.places[g].size *= std::clamp(ratios[g], 1 / state.scene.accuracy.most_change, largest_growth);
+    zone.balls[g].size *= std::clamp(ratios[g], 1 / state.scene.accuracy.max_change, max_growth);
 }
 
 double size_by_shear(const SolvedState& state, const Results& results, int p, const ZoneState& present,
@@ -145,11 +145,11 @@ double size_by_shear(const SolvedState& state, const Results& results, int p, co
   const auto size = [](const ContactRow& row) { return row.shear_sprc.squaredNorm(); };
   const std::vector<double> ratios =
       missed ? ratios_by_error(state, results, p, options.aim * *options.shear, squared_shear_difference, size)
-             : std::vector<double>(zone.places.size(), 1);
+             : std::vector<double>(zone.balls.size(), 1);
   for (std::size_t g = 0; g < ratios.size(); ++g) {
-    const double ratio = std::clamp(ratios[g], 1 / options.most_change, 1.0);
+    const double ratio = std::clamp(ratios[g], 1 / options.max_change, 1.0);
     smallest = std::min(smallest, ratio);
-    zone.places[g].size = std::min(zone.places[g].size, ratio * present.places[g].size);
+    zone.balls[g].size = std::min(zone.balls[g].size, ratio * present.balls[g].size);
   }
   return smallest;
 }
@@ -158,16 +158,16 @@ double next_size_ratio(const ZoneState& zone, double estimate, std::optional<dou
                        const AccuracyOptions& options) {
   if (!zone.relevant) return 1;
   if (!zone.resolved) {
-    double ratio = 1 / options.most_change;
+    double ratio = 1 / options.max_change;
     if (zone.width)  // by counting cells it is known to one of them
       ratio = (*zone.width / zone.cell + (zone.narrowed ? 0 : 1)) / (2 * options.middle_cells);
     else if (zone.needed)
       ratio = std::min(ratio, *zone.needed / zone.cell);
-    return std::clamp(ratio, 1 / (zone.narrowed ? most_narrowing : options.narrowing), 1 / options.least_change);
+    return std::clamp(ratio, 1 / (zone.narrowed ? max_narrowing : options.narrowing), 1 / options.min_change);
   }
   if (!target || estimate <= *target) return 1;
-  return std::clamp(std::pow(options.aim * *target / zone.error, 1 / options.rate), 1 / options.most_change,
-                    1 / options.least_change);
+  return std::clamp(std::pow(options.aim * *target / zone.error, 1 / options.rate), 1 / options.max_change,
+                    1 / options.min_change);
 }
 
 }  // namespace cgcontact

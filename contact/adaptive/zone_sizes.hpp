@@ -16,14 +16,14 @@ bool is_closed(const ContactPair& pair, const ContactGroup& group);
 
 /// One contact pair after a solve.
 struct ZoneState {
-  bool relevant = false;          ///< carries enough to matter, or may touch and is not resolved
-  bool resolved = false;          ///< its pressure can be relied on
-  double cell = 0;                ///< m, of the larger cells in the zone
-  std::optional<double> width;    ///< m; none: the zone ends where the faces end
-  std::optional<double> needed;   ///< m; the size that would resolve it, as the verdict says
-  bool narrowed = false;          ///< found between the quadrature points of cells that are larger
-  double error = 0;               ///< of the pressure, relative, for the next sizes (two_grid_estimate.hpp)
-  std::vector<SizedBall> places;  ///< closed groups or what may touch; size: that of the present cells
+  bool relevant = false;         ///< carries enough to matter, or may touch and is not resolved
+  bool resolved = false;         ///< its pressure can be relied on
+  double cell = 0;               ///< m, of the larger cells in the zone
+  std::optional<double> width;   ///< m; none: the zone ends where the faces end
+  std::optional<double> needed;  ///< m; the size that would resolve it, as the verdict says
+  bool narrowed = false;         ///< found between the quadrature points of cells that are larger
+  double error = 0;              ///< of the pressure, relative, for the next sizes (two_grid_estimate.hpp)
+  std::vector<SizedBall> balls;  ///< closed groups or what may touch; size: that of the present cells
 };
 
 /// Sets the local sizes of a resolved zone that ends where the faces end (a flat punch: peak of pressure at the rim):
@@ -32,9 +32,9 @@ struct ZoneState {
 /// e)^(-1/2).
 void size_by_error(const SolvedState& state, const Results& results, int pair, double target, ZoneState& zone);
 
-/// Makes places of a resolved zone no larger than the shear's error asks for if it misses [accuracy] shear, as above;
-/// it is largest where stick meets slip. present: the zone with the sizes of the present cells. Returns the smallest
-/// ratio of new to present cells, at most 1.
+/// Makes the balls of a resolved zone no larger than the shear's error asks for if it misses [accuracy] shear, as
+/// above; it is largest where stick meets slip. present: the zone with the sizes of the present cells. Returns the
+/// smallest ratio of new to present cells, at most 1.
 double size_by_shear(const SolvedState& state, const Results& results, int pair, const ZoneState& present,
                      ZoneState& zone);
 

@@ -126,16 +126,16 @@ Vec3 FaceChart::radial(const Vec3& x) const {
   return d - d.dot(axis_[0]) * axis_[0];
 }
 
-FacePlace FaceChart::place(const Vec3& x) const {
+FacePosition FaceChart::coordinates(const Vec3& x) const {
   const Vec3 d = x - origin_;
   if (!round_) return {d.dot(axis_[0]), d.dot(axis_[1])};
   return {d.dot(axis_[0]), radius_ * std::atan2(d.dot(normal_), d.dot(axis_[1]))};
 }
 
-Vec3 FaceChart::point(const FacePlace& place) const {
-  if (!round_) return origin_ + place[0] * axis_[0] + place[1] * axis_[1];
-  const double angle = place[1] / radius_;
-  return origin_ + place[0] * axis_[0] + radius_ * (std::cos(angle) * axis_[1] + std::sin(angle) * normal_);
+Vec3 FaceChart::point(const FacePosition& position) const {
+  if (!round_) return origin_ + position[0] * axis_[0] + position[1] * axis_[1];
+  const double angle = position[1] / radius_;
+  return origin_ + position[0] * axis_[0] + radius_ * (std::cos(angle) * axis_[1] + std::sin(angle) * normal_);
 }
 
 Vec3 FaceChart::normal(const Vec3& x) const { return round_ ? Vec3(outward_ * radial(x).normalized()) : normal_; }

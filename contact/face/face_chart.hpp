@@ -24,9 +24,9 @@ class FaceChart {
   static std::optional<FaceChart> make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
                                        int across, const Mat3& turned);
 
-  FacePlace place(const Vec3& x) const;
+  FacePosition coordinates(const Vec3& x) const;
   /// Returns the point at a chart position, near the face.
-  Vec3 point(const FacePlace& place) const;
+  Vec3 point(const FacePosition& position) const;
   /// Returns the unit normal of the chart at a point.
   Vec3 normal(const Vec3& x) const;
   /// Returns the height of a point above the plane, or above the mean radius, m.

@@ -15,13 +15,13 @@ constexpr double edge_reach = 6;
 
 }  // namespace
 
-std::optional<SolvedZone::Place> SolvedZone::place_of(int body, const Vec3& x, const Vec3& normal) const {
+std::optional<SolvedZone::ChartPoint> SolvedZone::chart_point(int body, const Vec3& x, const Vec3& normal) const {
   const double along = chart.normal(x).dot(normal) * (body == primary ? 1 : -1);
   if (along < same_side || std::abs(chart.height(x)) > 4 * h) return std::nullopt;
   const FaceGrid& grid = pressure.grid;
-  FacePlace place = chart.place(x);
-  if (grid.plane_strain) place[0] = 0;
-  const std::array<int, 2> at = grid.index_of(place);
+  FacePosition position = chart.coordinates(x);
+  if (grid.plane_strain) position[0] = 0;
+  const std::array<int, 2> at = grid.index_of(position);
   // A point at the end of a face lies at the border of the last patch.
   for (const int i : {0, -1, 1})
     for (const int j : {0, -1, 1}) {
@@ -29,59 +29,59 @@ std::optional<SolvedZone::Place> SolvedZone::place_of(int body, const Vec3& x, c
       if (row < 0 || column < 0 || row >= grid.size[0] || column >= grid.size[1]) continue;
       const int patch = row * grid.size[1] + column;
       if (!known[patch]) continue;
-      return Place{place, patch, body == primary ? along : cosine[patch]};
+      return ChartPoint{position, patch, body == primary ? along : cosine[patch]};
     }
   return std::nullopt;
 }
 
 std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
-  const auto found = place_of(body, x, normal);
+  const auto found = chart_point(body, x, normal);
   if (!found) return std::nullopt;
-  return PressureOnFace{found->cosine * pressure.at(found->place), found->cosine * pressure.error[found->patch]};
+  return PressureOnFace{found->cosine * pressure.at(found->position), found->cosine * pressure.error[found->patch]};
 }
 
 std::optional<double> SolvedZone::square_at(int body, const Vec3& x, const Vec3& normal) const {
-  const auto found = place_of(body, x, normal);
+  const auto found = chart_point(body, x, normal);
   if (!found) return std::nullopt;
-  return found->cosine * found->cosine * pressure.square_at(found->place);
+  return found->cosine * found->cosine * pressure.square_at(found->position);
 }
 
-std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone) {
+std::vector<ZoneEdgeSegment> edge_of_zone(const SolvedZone& zone) {
   const FaceGrid& grid = zone.pressure.grid;
-  const auto patch_at = [&](const FacePlace& place) {
-    const std::array<int, 2> at = grid.index_of(place);
+  const auto patch_at = [&](const FacePosition& position) {
+    const std::array<int, 2> at = grid.index_of(position);
     return std::clamp(at[0], 0, grid.size[0] - 1) * grid.size[1] + std::clamp(at[1], 0, grid.size[1] - 1);
   };
-  std::vector<EdgePiece> edge;
+  std::vector<ZoneEdgeSegment> edge;
   for (const BorderPoint& border : border_of_zone(grid, zone.pressure.square, zone.known, border_reach * zone.h)) {
-    const int patch = patch_at(border.place);
-    FacePlace slope = FacePlace::Zero();  // of the face's height
+    const int patch = patch_at(border.position);
+    FacePosition slope = FacePosition::Zero();  // of the face's height
     for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
       const auto [before, after] = grid.beside(patch, a);
       if (after < 0 || before < 0 || !zone.known[after] || !zone.known[before]) continue;
       slope[a] = (zone.height[after] - zone.height[before]) / (2 * grid.spacing[a]);
     }
-    const Vec3 below = zone.chart.point(border.place), up = zone.chart.normal(below);
-    const auto tangent = [&](const FacePlace& direction) {
+    const Vec3 below = zone.chart.point(border.position), up = zone.chart.normal(below);
+    const auto tangent = [&](const FacePosition& direction) {
       const double small = 1e-3 * zone.h;
-      return Vec3((zone.chart.point(border.place + small * direction) - below) / small + slope.dot(direction) * up);
+      return Vec3((zone.chart.point(border.position + small * direction) - below) / small + slope.dot(direction) * up);
     };
     const Vec3 closed = tangent(border.inward), along = tangent({-border.inward[1], border.inward[0]});
     const double stretch = closed.norm(), cosine = zone.cosine[patch];
-    EdgePiece& piece = edge.emplace_back();
-    piece.origin = below + (zone.height[patch] + slope.dot(border.place - grid.centre(patch))) * up;
-    piece.closed = closed / stretch;
-    piece.along = (along - along.dot(piece.closed) * piece.closed).normalized();
-    piece.curvature = border.curvature * stretch / along.squaredNorm();
-    piece.inverse_width = border.inverse_width / stretch;
-    piece.factor = cosine * std::sqrt(border.slope / stretch);
+    ZoneEdgeSegment& segment = edge.emplace_back();
+    segment.origin = below + (zone.height[patch] + slope.dot(border.position - grid.centre(patch))) * up;
+    segment.closed = closed / stretch;
+    segment.along = (along - along.dot(segment.closed) * segment.closed).normalized();
+    segment.curvature = border.curvature * stretch / along.squaredNorm();
+    segment.inverse_width = border.inverse_width / stretch;
+    segment.factor = cosine * std::sqrt(border.slope / stretch);
   }
   return edge;
 }
 
 void FacePressures::add(SolvedZone zone) {
-  PointBuckets& pieces = pieces_.emplace_back(edge_reach * zone.h);
-  for (std::size_t i = 0; i < zone.edge.size(); ++i) pieces.add(zone.edge[i].origin, static_cast<int>(i));
+  PointBuckets& points = edges_.emplace_back(edge_reach * zone.h);
+  for (std::size_t i = 0; i < zone.edge.size(); ++i) points.add(zone.edge[i].origin, static_cast<int>(i));
   zones.push_back(std::move(zone));
 }
 
@@ -96,13 +96,13 @@ bool FacePressures::has_zone(int pair) const {
   return std::any_of(zones.begin(), zones.end(), [&](const SolvedZone& zone) { return zone.pair == pair; });
 }
 
-bool FacePressures::edge_near(int pair, const Vec3& x, EdgePiece& piece) const {
+bool FacePressures::edge_near(int pair, const Vec3& x, ZoneEdgeSegment& segment) const {
   double least = 1e300;
   for (std::size_t z = 0; z < zones.size(); ++z) {
     if (zones[z].pair != pair) continue;
-    pieces_[z].each_near(x, [&](int i) {
+    edges_[z].each_near(x, [&](int i) {
       const double distance = (zones[z].edge[i].origin - x).norm();
-      if (distance < least && distance < edge_reach * zones[z].h) least = distance, piece = zones[z].edge[i];
+      if (distance < least && distance < edge_reach * zones[z].h) least = distance, segment = zones[z].edge[i];
     });
   }
   return least < 1e300;

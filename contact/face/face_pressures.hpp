@@ -30,7 +30,7 @@ struct SolvedZone {
   std::vector<double> cosine;
   std::vector<double> height;  ///< of the primary face above the chart at each patch, m
   FacePressure pressure;
-  std::vector<EdgePiece> edge;  ///< points along it
+  std::vector<ZoneEdgeSegment> edge;  ///< points along it
 
   /// Returns the pressure at a point on the face of a body; none: the zone does not reach there.
   std::optional<PressureOnFace> at(int body, const Vec3& x, const Vec3& normal) const;
@@ -38,16 +38,16 @@ struct SolvedZone {
   std::optional<double> square_at(int body, const Vec3& x, const Vec3& normal) const;
 
  private:
-  struct Place {
-    FacePlace place;
+  struct ChartPoint {
+    FacePosition position;
     int patch;
     double cosine;  ///< between the normals of the body's face and of the chart
   };
-  std::optional<Place> place_of(int body, const Vec3& x, const Vec3& normal) const;
+  std::optional<ChartPoint> chart_point(int body, const Vec3& x, const Vec3& normal) const;
 };
 
 /// Returns points along the edge of a zone whose pressure is known; global axes.
-std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone);
+std::vector<ZoneEdgeSegment> edge_of_zone(const SolvedZone& zone);
 
 class FacePressures : public KnownPressures {
  public:
@@ -60,10 +60,10 @@ class FacePressures : public KnownPressures {
   std::optional<PressureOnFace> at(int pair, int body, const Vec3& x, const Vec3& normal) const;
   std::optional<double> square(int pair, int body, const Vec3& x, const Vec3& n) const override;
   bool has_zone(int pair) const override;
-  bool edge_near(int pair, const Vec3& x, EdgePiece& piece) const override;
+  bool edge_near(int pair, const Vec3& x, ZoneEdgeSegment& segment) const override;
 
  private:
-  std::vector<PointBuckets> pieces_;  ///< of each zone, its edge
+  std::vector<PointBuckets> edges_;  ///< of each zone, its edge
 };
 
 }  // namespace cgcontact

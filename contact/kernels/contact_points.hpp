@@ -89,7 +89,7 @@ class ContactPoints {
 
   /// Return the arrays, and the index of the first point in them.
   const HostContactPoints& arrays() const { return arrays_; }
-  std::size_t first_place() const { return first_; }
+  std::size_t first_index() const { return first_; }
 
   /// Goes over the points, gathered.
   class Iterator {

@@ -151,8 +151,8 @@ KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction,
     const double bound = friction.bound(q), w = friction.weight(q);
     if (bound == 0) continue;
     const TangentialContact law = friction.law(f, q, k, slip);
-    const double part = law.part(bound);
-    for (int i = 0; i < 2; ++i) force[i] += w * part * law.z[i];
+    const double fraction = law.carried_fraction(bound);
+    for (int i = 0; i < 2; ++i) force[i] += w * fraction * law.z[i];
     stiffness[0] += w * law.stiffness(bound, held, 0, 0);
     stiffness[1] += w * law.stiffness(bound, held, 0, 1);
     stiffness[2] += w * law.stiffness(bound, held, 1, 1);
@@ -239,7 +239,8 @@ void friction_state(const Exec& exec, const ContactGroupArrays<Memory>& groups, 
           const bool slips = bound > 0 && !law.sticks(bound);
           state.slips(q) = slips;
           for (int i = 0; i < 2; ++i) {
-            const double shear = bound > 0 ? law.part(bound) * law.z[i] : 0, held = friction.held_at(f, q, i);
+            const double shear = bound > 0 ? law.carried_fraction(bound) * law.z[i] : 0,
+                         held = friction.held_at(f, q, i);
             state.shear(q, i) = shear;
             state.slip(q, i) = slips ? slip[i] - (friction.lagged(q, i) * friction.lagged_unit - shear) / k - held : 0;
             state.reference(q, i) = bound > 0 ? held + state.slip(q, i) : slip[i];

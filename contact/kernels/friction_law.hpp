@@ -22,7 +22,7 @@ struct TangentialContact {
   KOKKOS_INLINE_FUNCTION double size() const { return std::sqrt(z[0] * z[0] + z[1] * z[1]); }
   KOKKOS_INLINE_FUNCTION bool sticks(double bound) const { return size() <= bound; }
   /// Returns the fraction of z that is carried.
-  KOKKOS_INLINE_FUNCTION double part(double bound) const {
+  KOKKOS_INLINE_FUNCTION double carried_fraction(double bound) const {
     const double most = size();
     return most <= bound ? 1 : bound / most;
   }

@@ -108,8 +108,8 @@ CompressedGapRows<Memory> gap_rows(const Exec& exec, const ContactPointArrays<Me
       "cgcontact::contact::row_fill", groups, KOKKOS_LAMBDA(const int g) {
         int last = first(g);
         for (int q = first_point(g); q < first_point(g + 1); ++q) {
-          const double part = points.weight(q) / area(g);
-          const Vec3 along = part * Vec3(points.direction(q, 0), points.direction(q, 1), points.direction(q, 2));
+          const double fraction = points.weight(q) / area(g);
+          const Vec3 along = fraction * Vec3(points.direction(q, 0), points.direction(q, 1), points.direction(q, 2));
           for (const bool second : {false, true}) {
             const RowSide<Memory>& side = second ? secondary : primary;
             const Vec3 local = side.axes.transpose() * (second ? along : Vec3(-along));

@@ -22,16 +22,16 @@ struct DirectionArrays {
         direction("cgcontact::contact::direction", size) {}
 };
 
-/// Computes moved(i) = direction . parts(body).at(x), m: the displacements by the rigid motions of the bodies.
-template <class Exec, class Memory, class Parts>
-void rigid_displacements(const Exec& exec, const DirectionArrays<Memory>& places, const Parts& parts,
+/// Computes moved(i) = direction . motions(body).at(x), m: the displacements by the rigid motions of the bodies.
+template <class Exec, class Memory, class Motions>
+void rigid_displacements(const Exec& exec, const DirectionArrays<Memory>& points, const Motions& motions,
                          const Kokkos::View<double*, Memory>& moved) {
-  static_assert(reaches<Exec, Memory> && reaches<Exec, typename Parts::memory_space>);
+  static_assert(reaches<Exec, Memory> && reaches<Exec, typename Motions::memory_space>);
   Kokkos::parallel_for(
       "cgcontact::contact::rigid_displacements", Kokkos::RangePolicy<Exec>(exec, 0, static_cast<int>(moved.extent(0))),
       KOKKOS_LAMBDA(const int i) {
-        const Vec3 at = parts(places.body(i)).at(Vec3(places.x(i, 0), places.x(i, 1), places.x(i, 2)));
-        moved(i) = places.direction(i, 0) * at[0] + places.direction(i, 1) * at[1] + places.direction(i, 2) * at[2];
+        const Vec3 at = motions(points.body(i)).at(Vec3(points.x(i, 0), points.x(i, 1), points.x(i, 2)));
+        moved(i) = points.direction(i, 0) * at[0] + points.direction(i, 1) * at[1] + points.direction(i, 2) * at[2];
       });
 }
 
@@ -131,8 +131,8 @@ void add_support_forces(const Exec& exec, const TouchedNodes<Memory>& touched, c
           const int s = touched.support_corner(e) / 8;
           double N[8];
           hex_shape(&supports.xi(s, 0), N);
-          const double part = N[touched.support_corner(e) % 8] * amount(s);
-          for (int i = 0; i < dofs_per_node; ++i) sum[i] += supports.local_direction(s, i) * part;
+          const double term = N[touched.support_corner(e) % 8] * amount(s);
+          for (int i = 0; i < dofs_per_node; ++i) sum[i] += supports.local_direction(s, i) * term;
         }
         for (int i = 0; i < dofs_per_node; ++i) force(dof_of(t, i)) = sum[i];
       });

@@ -30,7 +30,7 @@ bool is_held(const Scene& scene, const std::vector<HeldBy>& held, const HeldBy& 
     if (std::abs(cosine) < parallel) continue;
     if (std::abs(a.value - value) <= equal * (std::abs(a.value) + std::abs(value))) return true;
     throw InputError(
-        scene.supports[by.support].place, "",
+        scene.supports[by.support].location, "",
         fmt::format("prescribes {:g} m where the support of {} prescribes {:g} m in the same direction, at "
                     "({:.4g}, {:.4g}, {:.4g}) m",
                     b.value, face_name(scene, scene.supports[support].face), cosine < 0 ? -a.value : a.value, x[0],
@@ -76,7 +76,7 @@ void check_support_on_contact(const Scene& scene, int s, const BodyModel& body, 
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (held[k] > rim * all[k])
       throw InputError(
-          support.place, face_name(scene, support.face),
+          support.location, face_name(scene, support.face),
           fmt::format("holds {:.3g} m2 of a face of {} \"{}\"{}: contact cannot act there", held[k],
                       pairs[k].bonded() ? "the bonded contact" : "contact", pairs[k].spec->name,
                       pairs[k].bonded() ? "" : " along its normal"),
@@ -98,7 +98,7 @@ void check_load_on_bond(const Scene& scene, const LoadSpec& load, const BodyMode
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (loaded[k] > rim * all[k])
       throw InputError(
-          load.place, face_name(scene, load.face),
+          load.location, face_name(scene, load.face),
           fmt::format("loads {:.3g} m2 of a face of the bonded contact \"{}\"", loaded[k], pairs[k].spec->name),
           "loads on faces that are not bonded (declared faces divide a face)");
 }
@@ -123,7 +123,7 @@ void check_shared_faces(const std::vector<BodyModel>& bodies, const ContactSpec&
   const double area = std::min(shared(one.first, first), shared(one.second, second));
   if (area > 0)
     throw InputError(
-        other.place, '"' + other.name + '"',
+        other.location, '"' + other.name + '"',
         fmt::format("shares {:.3g} m2 of its faces with contact \"{}\": the pressure would act twice there", area,
                     one.name),
         "every part of two faces in one pair");

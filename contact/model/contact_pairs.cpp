@@ -19,12 +19,12 @@ namespace {
 /// Relative difference of cell sizes that is rounding.
 constexpr double equal_cells = 1e-12;
 /// Faces of the larger cells: automatic pairs that see each other over less than that do so by rounding.
-constexpr double least_area = 1e-9;
+constexpr double min_area = 1e-9;
 /// Rigid bodies touch if they are nearer to each other than that, cells.
 constexpr double touching = 1e-3;
 /// Most ends of the other body's faces in a cell at which the contact is divided; with more (threads, scans) it ends
 /// within a quadrature point.
-constexpr std::size_t most_ends = 24;
+constexpr std::size_t max_ends = 24;
 
 /// Level of the smallest cells of a grid that there may be in a box, grid coordinates.
 int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
@@ -51,7 +51,7 @@ int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
 }
 
 /// Returns planes of the other grid that cross a cell, in the cell's grid coordinates: those of the smallest cells
-/// nearby, so that every boundary piece sees one cell only.
+/// nearby, so that every facet sees one cell only.
 std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCells& other_cells) {
   const Grid &grid = own.grid, &other = other_cells.grid;
   const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);
@@ -132,7 +132,7 @@ struct SurfacePoints {
 };
 
 /// Cosine between the direction of a gap and faces that it is measured from.
-constexpr double least_cosine = 0.1;
+constexpr double min_cosine = 0.1;
 
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
 /// `borders`: of the opposite face, as seen from the surface.
@@ -143,7 +143,7 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
   std::vector<Plane> dividers = other_grid_planes(primary.cut_cells, cell, secondary.cut_cells);
   std::vector<Plane> ends = crossing_planes(borders, primary.cut_cells.corner(cell), primary.cut_cells.size(cell));
   for (const Plane& border : other_face_borders(primary, cell, surface, secondary)) ends.push_back(border);
-  if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
+  if (ends.size() <= max_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, order, points);
   SurfacePoints found;
@@ -154,12 +154,12 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
     point.x = grid.to_global(points.position[q]);
     point.normal = grid.rotation * points.normal[q];
     if (!pair.face(pair.primary)
-             .contains(names, grid.to_global(points.position_of_piece(q)), grid.rotation * points.normal_of_piece(q)))
+             .contains(names, grid.to_global(points.position_of_facet(q)), grid.rotation * points.normal_of_facet(q)))
       continue;
     double cosine = 1;
     if (!direction.isZero()) {
       cosine = point.normal.dot(direction);
-      if (cosine < least_cosine) continue;
+      if (cosine < min_cosine) continue;
       point.normal = direction;
     }
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
@@ -202,16 +202,16 @@ void add_group(const std::vector<BodyModel>& bodies, ContactGroup group, const s
   pair.groups.push_back(group);
 }
 
-/// Adds the groups of all points: boundary pieces in the primary body's cells, or under a cell of the other body where
+/// Adds the groups of all points: facets in the primary body's cells, or under a cell of the other body where
 /// that is larger.
 void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfacePoints>& found, ContactPair& pair) {
   std::map<std::array<int, 3>, std::size_t> number;  // body, cell, surface
   std::vector<ContactGroup> groups;
   std::vector<std::vector<const ContactPoint*>> points;
-  for (const SurfacePoints& part : found)
-    for (const ContactPoint& point : part.points) {
+  for (const SurfacePoints& on_surface : found)
+    for (const ContactPoint& point : on_surface.points) {
       ContactGroup group;
-      group.surface = part.surface;
+      group.surface = on_surface.surface;
       group.body = pair.primary;
       group.cell = point.primary_cell;
       if (bodies[pair.secondary].cut_cells.h(point.secondary_cell) >
@@ -219,12 +219,12 @@ void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfaceP
         group.body = pair.secondary;
         group.cell = point.secondary_cell;
       }
-      const auto [place, is_new] = number.try_emplace({group.body, group.cell, group.surface}, groups.size());
+      const auto [entry, is_new] = number.try_emplace({group.body, group.cell, group.surface}, groups.size());
       if (is_new) {
         groups.push_back(group);
         points.emplace_back();
       }
-      points[place->second].push_back(&point);
+      points[entry->second].push_back(&point);
     }
   std::size_t num_points = 0;
   for (const auto& of_group : points) num_points += of_group.size();
@@ -357,35 +357,35 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   pair.modulus = scene.solver.kappa * (std::isinf(E1) ? 2 * E2 : std::isinf(E2) ? 2 * E1 : 2 * E1 * E2 / (E1 + E2));
   pair.reach = find_reach(scene.contact, pair, bodies, wider);
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
-  const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
-  std::vector<SurfacePoints> found(places.size());
+  const std::vector<std::pair<int, int>> face_cells = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
+  std::vector<SurfacePoints> found(face_cells.size());
   const CutCells &own = bodies[pair.primary].cut_cells, &other = bodies[pair.secondary].cut_cells;
   const FaceSpec& opposite = pair.face(pair.secondary);
   const std::vector<Plane> dividers = box_dividers(other, opposite);
   std::map<int, std::vector<Plane>> borders;  // by surface
-  for (const auto& place : places) borders.try_emplace(place.second);
+  for (const auto& face_cell : face_cells) borders.try_emplace(face_cell.second);
   for (auto& [surface, planes] : borders) planes = opposite_borders(own, surface, other, opposite, dividers);
   const auto find = [&](std::size_t i, const Vec3& direction) {
-    const auto [cell, surface] = places[i];
+    const auto [cell, surface] = face_cells[i];
     found[i] = find_points(bodies, pair, cell, surface, borders.at(surface), direction, scene.contact.quadrature_order);
   };
-  parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
+  parallel_for("cgcontact::contact_pairs::groups", face_cells.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
   if (pair.bonded()) {  // whatever the way in which edges would press
     add_groups(bodies, found, pair);
     copy_for_all_axes(bodies, pair);
     set_interference(pair, 0);
     return pair;
   }
-  std::vector<CellPlace> cells;
+  std::vector<CellIndex> cells;
   std::vector<int> surfaces;
   std::vector<FacingNormals> normals;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    cells.push_back(place_of(own, places[i].first));
-    surfaces.push_back(places[i].second);
+  for (std::size_t i = 0; i < face_cells.size(); ++i) {
+    cells.push_back(cell_index(own, face_cells[i].first));
+    surfaces.push_back(face_cells[i].second);
     normals.push_back(found[i].normals);
   }
   const std::vector<Vec3> directions = press_directions(own.num_levels(), cells, surfaces, normals);
-  parallel_for("cgcontact::contact_pairs::edges", places.size(), 8, [&](std::size_t i) {
+  parallel_for("cgcontact::contact_pairs::edges", face_cells.size(), 8, [&](std::size_t i) {
     if (!directions[i].isZero()) find(i, directions[i]);
   });
   add_groups(bodies, found, pair);
@@ -415,7 +415,7 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
         const double depth = other.solid.distance_to_surfaces(g) * other.grid.cell_size;
         if (depth > limit)
           throw InputError(
-              scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
+              scene.bodies[a].location, "\"" + scene.bodies[a].name + "\"",
               fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})", scene.bodies[b].name, depth,
                           x[0], x[1], x[2]),
               fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
@@ -459,7 +459,7 @@ void leave_out_rigid_pairs(const Scene& scene, std::vector<ContactPair>& pairs) 
     if (!are_rigid(pair)) continue;
     for (const ContactPoint& q : pair.points)
       if (q.distance < touching * pair.largest_cell)
-        throw InputError(pair.spec->place, "\"" + pair.spec->name + "\"",
+        throw InputError(pair.spec->location, "\"" + pair.spec->name + "\"",
                          fmt::format("both bodies are rigid and touch at ({:g}, {:g}, {:g}): the pressure between them "
                                      "is not determined",
                                      q.x[0], q.x[1], q.x[2]),
@@ -479,7 +479,7 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   check_overlap(scene, bodies, pairs);
   for (const ContactPair& pair : pairs)
     if (pair.points.empty() && pair.bonded())
-      throw InputError(pair.spec->place, "\"" + pair.spec->name + "\"",
+      throw InputError(pair.spec->location, "\"" + pair.spec->name + "\"",
                        fmt::format("no point of the first face has the second face within {:g} m: there is nothing to "
                                    "bond",
                                    pair.reach.ahead),
@@ -491,7 +491,7 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   for (const ContactPair& pair : pairs)
     if (pair.points.empty() && !pair.spec->automatic)
       throw InputError(
-          pair.spec->place, "\"" + pair.spec->name + "\"",
+          pair.spec->location, "\"" + pair.spec->name + "\"",
           "no point of the first face has the second face within reach",
           pair.spec->search_distance > 0
               ? fmt::format("faces closer than search_distance = {:g} m along the normal", pair.spec->search_distance)
@@ -499,7 +499,7 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   const auto sees_nothing = [&](const ContactPair& pair) {
     double area = 0;
     for (const ContactGroup& group : pair.groups) area += group.area / std::pow(group.larger_cell, 2);
-    return pair.spec->automatic && area < least_area;
+    return pair.spec->automatic && area < min_area;
   };
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
   std::vector<ContactPoints*> points;
@@ -548,9 +548,9 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
   return Subset(marked);
 }
 
-Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece) {
+Vec3 force_of_surface_group(const ContactPair& pair, const double* group_force, std::size_t group) {
   Vec3 force = Vec3::Zero();
-  for (std::size_t g = piece; g < pair.groups.size(); g += pair.num_pieces())
+  for (std::size_t g = group; g < pair.groups.size(); g += pair.num_surface_groups())
     force += group_force[g] * pair.points.direction(pair.groups[g].first_point);
   return force;
 }
@@ -560,7 +560,8 @@ std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vect
   for (const ContactPair& pair : pairs) {
     if (!pair.bonded()) continue;
     double apart = 0;
-    for (std::size_t q = 0; q < pair.num_places(); ++q) apart = std::max(apart, std::abs(pair.points.distance(q)));
+    for (std::size_t q = 0; q < pair.num_surface_points(); ++q)
+      apart = std::max(apart, std::abs(pair.points.distance(q)));
     if (apart > scene.contact.bond_gap * pair.largest_cell)
       warnings.push_back(fmt::format(
           "bonded contact \"{}\": its faces are apart, or overlap, by up to {:.3g} m where they are tied, as if by "
@@ -575,7 +576,7 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
   std::size_t first_group = 0;
   std::vector<std::size_t> num_links(bodies.size(), 0);
   for (const ContactPair& pair : pairs)
-    for (const int body : {pair.primary, pair.secondary}) num_links[body] += pair.num_places();
+    for (const int body : {pair.primary, pair.secondary}) num_links[body] += pair.num_surface_points();
   for (BodyModel& body : bodies) {
     body.boundary.links.clear();
     body.boundary.links.reserve(num_links[&body - bodies.data()]);
@@ -592,13 +593,13 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
     std::vector<double> closed_area(pair.groups.size(), 0.0);
     for (const ContactPoint& q : pair.points)
       if (q.active) closed_area[q.group] += q.weight;
-    for (std::size_t place = 0; place < pair.num_places(); ++place) {
-      const ContactPoint q = pair.points[place];
+    for (std::size_t number = 0; number < pair.num_surface_points(); ++number) {
+      const ContactPoint q = pair.points[number];
       const int index = static_cast<int>(p);
       const ContactGroup& group = pair.groups[q.group];
       Vec3 on_secondary = Vec3::Zero();
       if (pair.bonded() && !group_force.empty())
-        on_secondary = force_of_piece(pair, &group_force[first_group], q.group);
+        on_secondary = force_of_surface_group(pair, &group_force[first_group], q.group);
       const double force = group_force.empty() ? 0.0
                            : pair.bonded()     ? on_secondary.dot(q.normal)
                                                : group_force[first_group + q.group];
@@ -616,11 +617,11 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
       const FrictionPoints& points = friction[p];
       for (const auto& [link, axes, sign] : {std::tuple(&primary.boundary.links.back(), &to_primary, -1.0),
                                              std::tuple(&secondary.boundary.links.back(), &to_secondary, 1.0)}) {
-        link->shear = sign * (*axes * points.shear[place]);
-        link->slip = sign * (*axes * points.slip[place]);
-        link->travelled = points.travelled[place];
-        link->wear = points.wear[place];
-        link->slips = points.slips[place] != 0;
+        link->shear = sign * (*axes * points.shear[number]);
+        link->slip = sign * (*axes * points.slip[number]);
+        link->travelled = points.travelled[number];
+        link->wear = points.wear[number];
+        link->slips = points.slips[number] != 0;
       }
     }
     first_group += pair.groups.size();

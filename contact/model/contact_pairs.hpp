@@ -34,8 +34,8 @@ struct ContactPair {
   std::vector<ContactGroup> groups;
   int copies = 1;
   /// Return the points and groups of one copy: those of the surface.
-  std::size_t num_places() const { return points.size() / copies; }
-  std::size_t num_pieces() const { return groups.size() / copies; }
+  std::size_t num_surface_points() const { return points.size() / copies; }
+  std::size_t num_surface_groups() const { return groups.size() / copies; }
   bool bonded() const { return spec->bonded; }
   /// Returns Coulomb's coefficient; 0: no friction.
   double friction() const { return spec->friction; }
@@ -92,8 +92,8 @@ void set_interference(ContactPair& pair, double interference);
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
                           const BodyMesh& mesh);
 
-/// Sums the forces of all groups of a bonded pair on its secondary body over one connected component, N.
-Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece);
+/// Sums the forces of a bonded pair on its secondary body at one group of the surface over all axes that it holds, N.
+Vec3 force_of_surface_group(const ContactPair& pair, const double* group_force, std::size_t group);
 
 /// Warnings of bonded faces that are apart, or overlap, where they are tied.
 std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vector<ContactPair>& pairs);

@@ -12,15 +12,15 @@ namespace {
 /// Leaves over a side of the first grid, four samples each.
 constexpr int first_leaves = 4;
 /// Change of the distance over a quarter of a leaf, of the depth below the limit, that need not be resolved.
-constexpr double resolved_part = 0.1;
+constexpr double resolved_fraction = 0.1;
 /// Cells: depths below this are not looked for.
-constexpr double least_depth = 1e-5;
-constexpr int most_levels = 14;
-constexpr std::size_t most_leaves = 8192;
+constexpr double min_depth = 1e-5;
+constexpr int max_levels = 14;
+constexpr std::size_t max_leaves = 8192;
 /// Grid coordinates, from a surface into the body: less than the thinnest cells that are kept.
 constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
-constexpr double least_facing_cosine = 0.1;
+constexpr double min_facing_cosine = 0.1;
 
 /// Square of the plane across the group's mean normal, with the samples in the middles of its quarters.
 struct Leaf {
@@ -120,7 +120,7 @@ class Sampler {
     bool inside = false;
     for (const Crossing& c : crossings) {
       // Other surfaces of the face, too: beside an edge or a corner they show how deep the group's own one may lie.
-      if (c.normal.dot(direction) < least_facing_cosine) continue;
+      if (c.normal.dot(direction) < min_facing_cosine) continue;
       if (own && std::abs(c.t) >= std::abs(own->t)) continue;
       const Vec3 y = start + c.t * direction;
       if (!pair_.face(pair_.primary)
@@ -164,19 +164,19 @@ class GapSampler::Impl {
 
  private:
   /// Square of the grid of a level; the first has first_leaves of them along a side.
-  struct Place {
+  struct LeafIndex {
     int level, i, j;
     std::uint64_t key() const {
       return std::uint64_t(level) << 56 | std::uint64_t(i) << 28 | static_cast<std::uint64_t>(j);
     }
   };
 
-  const Leaf& leaf(const Place& place) {
-    const auto [found, is_new] = leaves_.try_emplace(place.key());
+  const Leaf& leaf(const LeafIndex& index) {
+    const auto [found, is_new] = leaves_.try_emplace(index.key());
     if (is_new) {
-      const double size = std::ldexp(sampler_.side() / first_leaves, -place.level);
-      found->second = sampler_.leaf((place.i + 0.5) * size - 0.5 * sampler_.side(),
-                                    (place.j + 0.5) * size - 0.5 * sampler_.side(), size);
+      const double size = std::ldexp(sampler_.side() / first_leaves, -index.level);
+      found->second = sampler_.leaf((index.i + 0.5) * size - 0.5 * sampler_.side(),
+                                    (index.j + 0.5) * size - 0.5 * sampler_.side(), size);
     }
     return found->second;
   }
@@ -187,41 +187,41 @@ class GapSampler::Impl {
 };
 
 std::vector<GapSample> GapSampler::Impl::samples(double limit) {
-  std::vector<Place> places;
+  std::vector<LeafIndex> indices;
   for (int i = 0; i < first_leaves; ++i)
-    for (int j = 0; j < first_leaves; ++j) places.push_back({0, i, j});
+    for (int j = 0; j < first_leaves; ++j) indices.push_back({0, i, j});
   double smallest = 1e300;
   const auto look = [&](const Leaf& leaf) {
     for (const Leaf::Sample& sample : leaf.samples)
       if (sample.inside) smallest = std::min(smallest, sample.distance);
   };
-  for (const Place& place : places) look(leaf(place));
-  for (int level = 0; level < most_levels; ++level) {
-    const double depth = std::max(limit - smallest, least_depth * group_.larger_cell);
-    const auto fine = [&](const Place& place) {
-      const Leaf& square = leaf(place);
-      return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_part * depth;
+  for (const LeafIndex& index : indices) look(leaf(index));
+  for (int level = 0; level < max_levels; ++level) {
+    const double depth = std::max(limit - smallest, min_depth * group_.larger_cell);
+    const auto fine = [&](const LeafIndex& index) {
+      const Leaf& square = leaf(index);
+      return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_fraction * depth;
     };
-    const std::size_t coarse = places.size() - std::count_if(places.begin(), places.end(), fine);
+    const std::size_t coarse = indices.size() - std::count_if(indices.begin(), indices.end(), fine);
     // All or none: a strip that is finer at one end would count for less at the other.
-    if (coarse == 0 || places.size() + 3 * coarse > most_leaves) break;
-    std::vector<Place> finer;
-    for (const Place& place : places) {
-      if (fine(place)) {
-        finer.push_back(place);
+    if (coarse == 0 || indices.size() + 3 * coarse > max_leaves) break;
+    std::vector<LeafIndex> finer;
+    for (const LeafIndex& index : indices) {
+      if (fine(index)) {
+        finer.push_back(index);
         continue;
       }
       for (int k = 0; k < 4; ++k) {
-        finer.push_back({place.level + 1, 2 * place.i + (k & 1), 2 * place.j + (k >> 1)});
+        finer.push_back({index.level + 1, 2 * index.i + (k & 1), 2 * index.j + (k >> 1)});
         look(leaf(finer.back()));
       }
     }
-    places.swap(finer);
+    indices.swap(finer);
   }
   std::vector<GapSample> samples;
   if (!(smallest < limit)) return samples;
-  for (const Place& place : places) {
-    const Leaf& square = leaf(place);
+  for (const LeafIndex& index : indices) {
+    const Leaf& square = leaf(index);
     for (const Leaf::Sample& sample : square.samples)
       if (sample.inside) samples.push_back({sample.x, sampler_.area(square), sample.distance});
   }

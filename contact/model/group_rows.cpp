@@ -22,7 +22,7 @@ using Directions = std::vector<Vec3>;
 CompressedGapRows<MemSpace> rows_of_pair(const ExecSpace& exec, const ContactPair& pair,
                                          const std::vector<BodyModel>& bodies, const ElasticSystem& system,
                                          const Directions& directions = {}) {
-  const int before = static_cast<int>(pair.points.first_place());
+  const int before = static_cast<int>(pair.points.first_index());
   std::vector<int> first_point{before};
   std::vector<double> area;
   for (const ContactGroup& group : pair.groups) {
@@ -42,7 +42,7 @@ CompressedGapRows<MemSpace> rows_of_pair(const ExecSpace& exec, const ContactPai
                   side_of(bodies, system, pair.secondary));
 }
 
-constexpr std::size_t most_copies = 3;
+constexpr std::size_t max_copies = 3;
 
 /// Rows of a pair, without their family.
 std::vector<GroupRow> host_rows(const ContactPair& pair, const CompressedGapRows<MemSpace>& of_pair,
@@ -55,7 +55,7 @@ std::vector<GroupRow> host_rows(const ContactPair& pair, const CompressedGapRows
     GroupRow& row = rows[g];
     row.entries.reserve(begin(g + 1) - begin(g));
     for (int e = begin(g); e < begin(g + 1); ++e) row.entries.emplace_back(dof(e), value(e));
-    std::tie(row.part, row.cell) = system.part_of(pair.groups[g].body, pair.groups[g].cell);
+    std::tie(row.level, row.cell) = system.locate_cell(pair.groups[g].body, pair.groups[g].cell);
   }
   return rows;
 }
@@ -68,7 +68,7 @@ class Families {
       max_surfaces_ = std::max(max_surfaces_, body.cut_cells.solid.surfaces().size());
   }
   int operator()(std::size_t pair, std::size_t copy, int surface) const {
-    return static_cast<int>((pair * most_copies + copy) * max_surfaces_ + surface);
+    return static_cast<int>((pair * max_copies + copy) * max_surfaces_ + surface);
   }
 
  private:
@@ -85,7 +85,7 @@ std::vector<GroupRow> make_group_rows(const ExecSpace& exec, const std::vector<C
     const ContactPair& pair = pairs[k];
     std::vector<GroupRow> of_pair = host_rows(pair, rows_of_pair(exec, pair, bodies, system), system);
     for (std::size_t g = 0; g < of_pair.size(); ++g) {
-      of_pair[g].family = family(k, g / pair.num_pieces(), pair.groups[g].surface);
+      of_pair[g].family = family(k, g / pair.num_surface_groups(), pair.groups[g].surface);
       rows.push_back(std::move(of_pair[g]));
     }
   }

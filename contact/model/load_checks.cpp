@@ -12,11 +12,11 @@
 namespace cgcontact {
 namespace {
 
-/// Subdivisions along each side of a cell: at first, and where these differ from the whole.
-constexpr int few_parts = 2, many_parts = 8;
+/// Divisions along each side of a cell: at first, and where these differ from the whole.
+constexpr int few_divisions = 2, many_divisions = 8;
 /// Fraction of what acts in a cell: a difference that is rounding, or that of a smooth load.
 constexpr double no_difference = 1e-6;
-/// Fraction of the area of a face in a cell: pieces whose subdivisions do not add up to it are not compared.
+/// Fraction of the area of a face in a cell: facets whose divisions do not add up to it are not compared.
 constexpr double same_area = 1e-6;
 
 /// Resultants of what acts on a region of a face, and the integral of the magnitudes.
@@ -44,13 +44,13 @@ bool is_field(const LoadSpec& load) {
                      [](const Expression& component) { return !component.is_constant(); });
 }
 
-/// Returns planes that divide a cell into `parts` along each of its sides.
-std::vector<Plane> planes_in(const CutCells& cells, int cell, int parts) {
+/// Returns planes that divide a cell into `divisions` along each of its sides.
+std::vector<Plane> planes_in(const CutCells& cells, int cell, int divisions) {
   std::vector<Plane> planes;
   for (int k = 0; k < 3; ++k) {
     if (cells.grid.is_quadtree() && k == cells.grid.plane_strain) continue;
-    for (int i = 1; i < parts; ++i)
-      planes.push_back({Vec3::Unit(k), cells.corner(cell)[k] + cells.size(cell) * i / parts});
+    for (int i = 1; i < divisions; ++i)
+      planes.push_back({Vec3::Unit(k), cells.corner(cell)[k] + cells.size(cell) * i / divisions});
   }
   return planes;
 }
@@ -77,8 +77,8 @@ class LoadOnFace {
     for (const auto& [cell, surfaces] : cells_) {
       const Sums& here = used_.at(cell);
       used.add(here);
-      Sums divided = sums_in(cell, surfaces, few_parts);
-      if (differ(here, divided)) divided = sums_in(cell, surfaces, many_parts);
+      Sums divided = sums_in(cell, surfaces, few_divisions);
+      if (differ(here, divided)) divided = sums_in(cell, surfaces, many_divisions);
       finer.add(std::abs(divided.area - here.area) <= same_area * here.area ? divided : here);
     }
     return {used, finer};
@@ -97,18 +97,18 @@ class LoadOnFace {
            std::abs(a.magnitude - b.magnitude) > no_difference * a.magnitude;
   }
 
-  Sums sums_in(int cell, const std::set<int>& surfaces, int parts) const {
+  Sums sums_in(int cell, const std::set<int>& surfaces, int divisions) const {
     const CutCells& cells = body_.cut_cells;
     const Grid& grid = cells.grid;
     BoundaryPoints points;
-    boundary_points_of_cell(cells, cell, {surfaces.begin(), surfaces.end()}, planes_in(cells, cell, parts), order_,
+    boundary_points_of_cell(cells, cell, {surfaces.begin(), surfaces.end()}, planes_in(cells, cell, divisions), order_,
                             points);
     Sums sums;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 n = grid.rotation * points.normal[i];
       const std::vector<std::string>& names = cells.solid.surfaces()[points.surface[i]].names;
-      if (!load_.face.face.contains(names, grid.to_global(points.position_of_piece(i)),
-                                    grid.rotation * points.normal_of_piece(i)))
+      if (!load_.face.face.contains(names, grid.to_global(points.position_of_facet(i)),
+                                    grid.rotation * points.normal_of_facet(i)))
         continue;
       const Vec3 x = grid.to_global(points.position[i]);
       sums.add(x - first_ / area_, points.weight[i] * std::pow(grid.cell_size, 2), traction(x, n));

@@ -9,7 +9,7 @@
 namespace cgcontact {
 
 /// Returns a sentence for each load whose resultant, or its moment about the centroid of the face, changes by more than
-/// ResultOptions::lost_load when the boundary pieces are divided: a jump that the planes of core/scene/jump_planes.hpp
+/// ResultOptions::lost_load when the facets are divided: a jump that the planes of core/scene/jump_planes.hpp
 /// do not cut, or a peak, inside a cell. The same of body forces, with fewer points instead of more.
 std::vector<std::string> load_resolution_warnings(const Scene& scene, const std::vector<BodyModel>& bodies);
 

@@ -19,7 +19,7 @@ constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 25;
 /// So near, as a factor.
 constexpr double near_limit = 1.4;
 /// Fraction of the available memory for which a cell size is advised: sizes scale with the cells to that.
-constexpr double safe_part = 0.8;
+constexpr double safe_fraction = 0.8;
 
 /// Bytes. Debian's Trilinos brings 38 shared libraries more than `make trilinos-openmp` builds.
 double program_itself() { return TrilinosScope::has_openmp() ? 85e6 : 100e6; }
@@ -44,7 +44,7 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
         *number /= factor * factor;
     return expected_memory(coarsened(bodies, factor), of_these);
   };
-  while (factor < 1e4 && needed() > safe_part * available) factor *= 1.02;
+  while (factor < 1e4 && needed() > safe_fraction * available) factor *= 1.02;
   if (factor >= 1e4) return {};
   factor = std::ceil(10 * factor) / 10;
   std::string text = fmt::format("cells larger by {:.1f} would fit:", factor);
@@ -70,8 +70,8 @@ BodySize estimate_size(const BodySpec& body, bool finer) {
 }
 
 BodySize size_of(const CutCells& cc) {
-  double nodes = cc.parts.empty() ? static_cast<double>(cc.numbers.corners().size()) : 0;
-  for (const CutCells& part : cc.parts) nodes += static_cast<double>(part.numbers.corners().size());
+  double nodes = cc.level_cells.empty() ? static_cast<double>(cc.numbers.corners().size()) : 0;
+  for (const CutCells& level : cc.level_cells) nodes += static_cast<double>(level.numbers.corners().size());
   return {nodes, static_cast<double>(cc.active_of_cut.size()), static_cast<double>(cc.solid.geometry().num_facets()),
           cc.grid.plane_strain >= 0};
 }

@@ -137,7 +137,7 @@ void find_resultants(const Scene& scene, int body, BodyModel& model) {
                                 ? moments.with_resultants(load.force, Vec3::Zero(), moments.centroid())
                                 : load.resulting_traction(moments);
     } catch (const InputError& error) {
-      throw InputError(load.place, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
+      throw InputError(load.location, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
                        load.bearing ? "bearing = true for a cylinder, with a force across its axis"
                                     : "a force alone, or a face with some breadth");
     }
@@ -153,7 +153,7 @@ void measure_supported_faces(const Scene& scene, int body, BodyModel& model) {
     if (!(moments.area() > 0)) continue;  // reported as a face without points
     const auto axis = support.axis || !support.is_cylindrical() ? support.axis : moments.axis();
     if (support.is_cylindrical() && !axis)
-      throw InputError(support.place, in_quotes(model.spec->name + "." + support.face.face.name),
+      throw InputError(support.location, in_quotes(model.spec->name + "." + support.face.face.name),
                        "the face is no cylinder: about which axis are its components?",
                        "cylindrical = {.., point = [x, y, z], axis = [x, y, z]}, or the side of a cylinder");
     model.supported[s] = {moments.area(), axis.value_or(Axis())};
@@ -226,7 +226,7 @@ std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
 }
 
 /// Solid and grid that a body's cells are made from.
-struct PlacedBody {
+struct BodyOnGrid {
   Solid solid;  ///< in the coordinates of the grid
   Grid grid;
   std::vector<Plane> dividers;
@@ -234,34 +234,34 @@ struct PlacedBody {
 };
 
 /// Planes at which loads of a body jump.
-void add_jumps_of_loads(const Scene& scene, int body, PlacedBody& placed) {
+void add_jumps_of_loads(const Scene& scene, int body, BodyOnGrid& on_grid) {
   Vec3 min, max;
   scene.bodies[body].solid.bounding_box(min, max);
   for (const LoadSpec& load : scene.loads)
     if (load.face.body == body)
       for (const Expression* field : {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]})
-        add_jump_dividers(load.face.face, jump_planes(*field, min, max), placed.solid, placed.grid, placed.dividers);
+        add_jump_dividers(load.face.face, jump_planes(*field, min, max), on_grid.solid, on_grid.grid, on_grid.dividers);
 }
 
 /// All but the grid.
-void place_body(const Scene& scene, int body, PlacedBody& placed) {
+void put_on_grid(const Scene& scene, int body, BodyOnGrid& on_grid) {
   const BodySpec& spec = scene.bodies[body];
-  const Grid& grid = placed.grid;
-  placed.solid = spec.solid.transformed(
+  const Grid& grid = on_grid.grid;
+  on_grid.solid = spec.solid.transformed(
       grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
   // Longer on both sides than the one layer of cells: they have no ends.
-  if (grid.is_quadtree()) placed.solid = stretched_to(spec, placed.solid, -1, 2);
-  placed.dividers = face_dividers(faces_in_use(scene, body), placed.solid, grid);
-  add_jumps_of_loads(scene, body, placed);
-  placed.tree = refined_tree(spec, placed.solid, grid, placed.dividers, scene.geometry);
+  if (grid.is_quadtree()) on_grid.solid = stretched_to(spec, on_grid.solid, -1, 2);
+  on_grid.dividers = face_dividers(faces_in_use(scene, body), on_grid.solid, grid);
+  add_jumps_of_loads(scene, body, on_grid);
+  on_grid.tree = refined_tree(spec, on_grid.solid, grid, on_grid.dividers, scene.geometry);
 }
 
 /// One slice for all quadtrees, as thick as the smallest of their cells: there cells are cubes.
-void set_slices(std::vector<PlacedBody>& bodies) {
+void set_slices(std::vector<BodyOnGrid>& bodies) {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const PlacedBody& body : bodies)
+  for (const BodyOnGrid& body : bodies)
     if (body.grid.is_quadtree()) smallest = std::min(smallest, body.grid.cell_size_of(body.tree.num_levels() - 1));
-  for (PlacedBody& body : bodies)
+  for (BodyOnGrid& body : bodies)
     if (body.grid.is_quadtree()) body.grid.slice = smallest;
 }
 
@@ -271,14 +271,14 @@ auto naming_body(const BodySpec& body, const Make& make) {
   try {
     return make();
   } catch (const TooManyCells& error) {
-    throw TooManyCells(body.place, in_quotes(body.name), error.what());
+    throw TooManyCells(body.location, in_quotes(body.name), error.what());
   } catch (const InputError& error) {
-    throw InputError(body.place, in_quotes(body.name), error.what());
+    throw InputError(body.location, in_quotes(body.name), error.what());
   }
 }
 
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
-  throw InputError(face.place, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
+  throw InputError(face.location, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
 }
 
@@ -294,7 +294,8 @@ Grid make_grid(const BodySpec& body) {
   Vec3 min, max;
   const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
   if (!rotated.bounding_box(min, max))
-    throw InputError(body.place, in_quotes(body.name), "the body is not bounded", "intersect half-spaces with a box");
+    throw InputError(body.location, in_quotes(body.name), "the body is not bounded",
+                     "intersect half-spaces with a box");
   if (body.plane_strain) {
     grid.plane_strain = static_cast<int>(*body.plane_strain);
     if (!body.quadtree) check_thickness(body, (max - min)[grid.plane_strain]);
@@ -307,7 +308,7 @@ Grid make_grid(const BodySpec& body) {
     if (body.axisymmetric() && d == grid.radial_axis()) start[d] = 0;
     const double cells = (max[d] - start[d]) / body.cell_size + grid_margin;
     if (!(cells < 20000))
-      throw InputError(body.place, std::to_string(body.cell_size), "more than 20000 cells along one axis",
+      throw InputError(body.location, std::to_string(body.cell_size), "more than 20000 cells along one axis",
                        "a larger cell_size");
     grid.num_cells[d] = static_cast<int>(std::ceil(cells));
   }
@@ -327,17 +328,17 @@ Grid make_grid(const BodySpec& body) {
 std::vector<BodyModel> make_body_models(const Scene& scene) {
   check_slices(scene);
   std::vector<BodyModel> bodies(scene.bodies.size());
-  std::vector<PlacedBody> placed(bodies.size());
+  std::vector<BodyOnGrid> on_grid(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    placed[b].grid = make_grid(scene.bodies[b]);
-    naming_body(scene.bodies[b], [&] { place_body(scene, static_cast<int>(b), placed[b]); });
+    on_grid[b].grid = make_grid(scene.bodies[b]);
+    naming_body(scene.bodies[b], [&] { put_on_grid(scene, static_cast<int>(b), on_grid[b]); });
   }
-  set_slices(placed);
+  set_slices(on_grid);
   std::vector<char> support_used(scene.supports.size()), load_used(scene.loads.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     BodyModel& model = bodies[b];
     model.spec = &scene.bodies[b];
-    const auto& [solid, grid, dividers, tree] = placed[b];
+    const auto& [solid, grid, dividers, tree] = on_grid[b];
     model.cut_cells = naming_body(*model.spec, [&, &s = solid, &g = grid, &d = dividers, &t = tree] {
       return make_cut_cells(s, g, d, scene.geometry, t);
     });
@@ -419,36 +420,38 @@ void hold_one_layer(int support, int b, const BodyModel& body, const BodyFace& f
   for (const int p : face.points())
     if (!body.spec->quadtree) area[cells.boundary.cell[p]] += body.area(p);
   int count = 0;
-  const std::vector<int> piece_of_cell = find_connected_pieces(cells, count);
-  struct Piece {
+  const std::vector<int> component_of_cell = find_connected_components(cells, count);
+  struct Component {
     int cell = -1;
     double area = 0;
     Vec3 first = Vec3::Zero();  ///< moments about the corner of the body, m^3 and m^4
     Mat3 second = Mat3::Zero();
   };
-  std::vector<Piece> pieces(count);
+  std::vector<Component> components(count);
   for (int cell = 0; cell < static_cast<int>(area.size()); ++cell) {
-    Piece& piece = pieces[piece_of_cell[cell]];
-    piece.cell = cell;
+    Component& component = components[component_of_cell[cell]];
+    component.cell = cell;
     const Vec3 x = global_position(cells, cell, Vec3::Zero()) - body.low;
     const double h = cells.h(cell);
-    piece.area += area[cell];
-    piece.first += area[cell] * x;
-    piece.second += area[cell] * (x * x.transpose() + h * h / 12 * Mat3::Identity());
+    component.area += area[cell];
+    component.first += area[cell] * x;
+    component.second += area[cell] * (x * x.transpose() + h * h / 12 * Mat3::Identity());
   }
-  for (const Piece& piece : pieces) {
-    if (piece.area == 0) continue;  // a sliver without a point on the end: nothing holds it
-    const Vec3 centre = piece.first / piece.area;
-    const Mat3 spread = piece.second / piece.area - centre * centre.transpose();
+  for (const Component& component : components) {
+    if (component.area == 0) continue;  // a sliver without a point on the end: nothing holds it
+    const Vec3 centre = component.first / component.area;
+    const Mat3 spread = component.second / component.area - centre * centre.transpose();
     // Half axes r of the plane spread = r r^T: Cholesky's factor of its two rows and columns.
     const double a = std::sqrt(up.dot(spread * up)), c = up.dot(spread * across) / a;
     const Vec3 r = a * up + c * across, s = std::sqrt(across.dot(spread * across) - c * c) * across;
     for (const auto& [x, y] :
          {std::pair(2.0, 0.0), std::pair(-1.0, std::sqrt(3.0)), std::pair(-1.0, -std::sqrt(3.0))}) {
-      const Vec3 place = body.low + centre + std::sqrt(0.5) * (x * r + y * s);  // of mean zero and unit second moments
-      SupportPoint point{
-          support,   b,         piece.cell,    cell_coordinates(cells, piece.cell, cells.grid.to_grid(place)),
-          direction, direction, piece.area / 3};
+      const Vec3 position =
+          body.low + centre + std::sqrt(0.5) * (x * r + y * s);  // of mean zero and unit second moments
+      SupportPoint point{support,           b,
+                         component.cell,    cell_coordinates(cells, component.cell, cells.grid.to_grid(position)),
+                         direction,         direction,
+                         component.area / 3};
       point.implied = true;
       points.push_back(point);
       if (!body.spec->axisymmetric()) continue;

@@ -80,8 +80,8 @@ class BodyFace {
     if (!face_.box && !face_.normal_cone) return true;
     const BoundaryPoints& points = body_.cut_cells.boundary;
     const Grid& grid = body_.cut_cells.grid;
-    return face_.contains(grid.to_global(points.position_of_piece(boundary_point)),
-                          grid.rotation * points.normal_of_piece(boundary_point));
+    return face_.contains(grid.to_global(points.position_of_facet(boundary_point)),
+                          grid.rotation * points.normal_of_facet(boundary_point));
   }
 
  private:
@@ -100,15 +100,15 @@ double support_modulus(const Scene& scene, const BodySpec& body);
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
   int body = 0, cell = 0;
-  Vec3 xi;                   ///< cell coordinates
-  Vec3 direction;            ///< unit, global axes
-  Vec3 normal;               ///< outward, global axes
-  double weight = 0;         ///< m^2
-  double prescribed = 0;     ///< displacement along the direction, m
-  double value = 0;          ///< its part in the present step, m
-  bool implied = false;      ///< as its support is: for the search for free motions, no term of the linear system
-  bool follows = false;      ///< value becomes the displacement in every outer iteration: no force in the end
-  bool keeps_place = false;  ///< holds a body along surfaces (contact/solve/surface_wanderers.hpp)
+  Vec3 xi;                ///< cell coordinates
+  Vec3 direction;         ///< unit, global axes
+  Vec3 normal;            ///< outward, global axes
+  double weight = 0;      ///< m^2
+  double prescribed = 0;  ///< displacement along the direction, m
+  double value = 0;       ///< the same in the present step, m
+  bool implied = false;   ///< as its support is: for the search for free motions, no term of the linear system
+  bool follows = false;   ///< value becomes the displacement in every outer iteration: no force in the end
+  bool holds_along_surface = false;  ///< holds a body along surfaces (contact/solve/tangential_drift.hpp)
   Held component = Held::normal;
   double spring = 0;  ///< Pa/m; 0: held
 };

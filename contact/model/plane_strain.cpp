@@ -11,17 +11,18 @@ namespace {
 /// Cells: so much may rounding stick out of the layer, so thin may it be. Cells filled by less than a quarter do not
 /// hold their nodes; those that the sides cut are filled by less than the thickness.
 constexpr double rounding = 1e-6, thinnest = 0.5;
-/// Of the normals and, in cells, of the ends' places: triangle surfaces have coordinates in single precision.
+/// Tolerance of the normals and, in cells, of the positions of the ends: triangle surfaces have coordinates in single
+/// precision.
 constexpr double flat = 1e-3;
-/// Part of a load along the axis.
+/// Fraction of a load: less than that along the axis is none.
 constexpr double along_axis = 1e-3;
-/// Of the thickness: triangle surfaces have coordinates in single precision.
+/// Fraction of the thickness: triangle surfaces have coordinates in single precision.
 constexpr double same_ends = 1e-5;
 
 [[noreturn]] void refuse(const BodySpec& body, const std::string& problem, const std::string& allowed) {
   const std::string& axis =
       body.axisymmetric() ? coordinate_names()[body.axis_of_revolution()] : name_of(*body.plane_strain);
-  throw InputError(body.plane_strain_place, '"' + axis + '"', "body \"" + body.name + "\": " + problem, allowed);
+  throw InputError(body.plane_strain_location, '"' + axis + '"', "body \"" + body.name + "\": " + problem, allowed);
 }
 
 std::string at(const Vec3& x) { return fmt::format("at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
@@ -36,7 +37,8 @@ int axis_of(const BodySpec& body) { return static_cast<int>(*body.plane_strain);
 std::pair<double, double> ends_of(const BodySpec& body) {
   Vec3 min, max;
   if (!body.solid.bounding_box(min, max))
-    throw InputError(body.place, '"' + body.name + '"', "the body is not bounded", "intersect half-spaces with a box");
+    throw InputError(body.location, '"' + body.name + '"', "the body is not bounded",
+                     "intersect half-spaces with a box");
   return {min[axis_of(body)], max[axis_of(body)]};
 }
 
@@ -56,12 +58,12 @@ void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
     const std::string& axis = name_of(*body.plane_strain);
     const Vec3 x = global_position(bodies[p.body].cut_cells, p.cell, p.xi);
     if (std::abs(p.normal[axis_of(body)]) > 0.5)
-      throw InputError(support.place, name_of_face(scene, support.face),
+      throw InputError(support.location, name_of_face(scene, support.face),
                        on_end_text(body, x) + ": its ends hold of themselves", "supports on the sides only");
     if (p.value == 0 || std::abs(p.direction[axis_of(body)]) <= flat) continue;
     const std::string moves = body.axisymmetric() ? "turns a body of revolution about its axis"
                                                   : "moves a body in plane strain along " + axis;
-    throw InputError(support.place, name_of_face(scene, support.face), moves + ", " + at(x),
+    throw InputError(support.location, name_of_face(scene, support.face), moves + ", " + at(x),
                      "no displacement along " + axis + ", or 0");
   }
 }
@@ -73,7 +75,7 @@ void check_resultants(const Scene& scene, const LoadSpec& load, const BodySpec& 
   const Vec3 other = load.force - load.force[along] * Vec3::Unit(along);
   if (other.norm() <= along_axis * load.force.norm() && load.moment.isZero(0) && !load.bearing) return;
   throw InputError(
-      load.place, name_of_face(scene, load.face), "a force or moment that varies around the axis of revolution",
+      load.location, name_of_face(scene, load.face), "a force or moment that varies around the axis of revolution",
       fmt::format("a force along {}, pressures and tractions in the half-plane", coordinate_names()[along]));
 }
 
@@ -86,11 +88,11 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
     const Vec3 x = body.point(p);
     const std::string& name = name_of(*body.spec->plane_strain);
     if (on_end(body, p))
-      throw InputError(load.place, name_of_face(scene, load.face), on_end_text(*body.spec, x),
+      throw InputError(load.location, name_of_face(scene, load.face), on_end_text(*body.spec, x),
                        "loads on the sides only");
     const Vec3 traction = load.traction_at(x, body.normal(p), resultant);
     if (std::abs(traction[axis]) > along_axis * traction.norm())
-      throw InputError(load.place, name_of_face(scene, load.face),
+      throw InputError(load.location, name_of_face(scene, load.face),
                        fmt::format("acts along {}, {}, {}", name,
                                    body.spec->axisymmetric() ? "around the axis of revolution"
                                                              : "across which the body is in plane strain",
@@ -153,7 +155,7 @@ void check_slices(const Scene& scene) {
   const std::string& axis = name_of(*quadtree->plane_strain);
   for (const BodySpec& body : scene.bodies) {
     if (!body.plane_strain)
-      throw InputError(quadtree->plane_strain_place, '"' + axis + '"',
+      throw InputError(quadtree->plane_strain_location, '"' + axis + '"',
                        "body \"" + body.name + "\" is not in plane strain, and cells are refined",
                        "plane_strain for all bodies of a scene with refine or [accuracy]");
     const auto [own_low, own_high] = ends_of(body);
@@ -188,9 +190,9 @@ void check_extruded(const BodySpec& body, const CutCells& cells) {
     high = std::max(high, boundary.position[p][axis]);
   }
   for (std::size_t p = 0; p < boundary.size(); ++p) {
-    const double normal = boundary.normal[p][axis], place = boundary.position[p][axis];
+    const double normal = boundary.normal[p][axis], position = boundary.position[p][axis];
     const bool side = std::abs(normal)<flat, end = std::abs(normal)> 1 - flat;
-    if (side || (end && std::abs(place - (normal < 0 ? low : high)) < flat)) continue;
+    if (side || (end && std::abs(position - (normal < 0 ? low : high)) < flat)) continue;
     refuse(body,
            "its boundary is neither an end nor along the axis of plane strain, " +
                at(cells.grid.to_global(boundary.position[p])),
@@ -215,7 +217,7 @@ void check_plane_strain(const Scene& scene, const std::vector<BodyModel>& bodies
       if (!body.plane_strain) continue;
       for (const ContactPoint& point : pair.points)
         if (std::abs(point.normal[axis_of(body)]) > 0.5)
-          throw InputError(pair.spec->place, '"' + pair.spec->name + '"',
+          throw InputError(pair.spec->location, '"' + pair.spec->name + '"',
                            fmt::format("presses body \"{}\" along {}, across which it is in plane strain, {}",
                                        body.name, name_of(*body.plane_strain), at(point.x)),
                            "contact of the sides only");

@@ -16,9 +16,9 @@ namespace cgcontact {
 
 /// Sums over points that see another body: their normals, and those of what they see.
 struct FacingNormals {
-  double area = 0, cosine = 0;  ///< m^2; of the angle between n1 and -n2, times area
-  double support = 0;           ///< m^3, of position . normal
-  Vec3 place = Vec3::Zero();    ///< m^3
+  double area = 0, cosine = 0;   ///< m^2; of the angle between n1 and -n2, times area
+  double support = 0;            ///< m^3, of position . normal
+  Vec3 position = Vec3::Zero();  ///< m^3
   Vec3 own = Vec3::Zero(), opposite = Vec3::Zero();
   Mat3 own_spread = Mat3::Zero(), opposite_spread = Mat3::Zero();
 
@@ -31,7 +31,7 @@ struct FacingNormals {
 
 /// Returns for each cell, with what points of one surface (its index) in it see, the direction of its gap, global axes;
 /// zero, where no edge is near: the surface's own normals.
-std::vector<Vec3> press_directions(int num_levels, const std::vector<CellPlace>& cells,
+std::vector<Vec3> press_directions(int num_levels, const std::vector<CellIndex>& cells,
                                    const std::vector<int>& surfaces, const std::vector<FacingNormals>& normals);
 
 }  // namespace cgcontact

@@ -19,21 +19,21 @@ constexpr double equal_sizes = 1e-9;
 /// Cells are larger than what is wanted if that is less than so much of their size.
 constexpr double too_large = 0.999;
 
-/// A divided cell that the body touches leaves at least so many cells more, some of its parts being outside.
-constexpr double least_gain = 2, least_gain_in_plane = 1;
-/// Of memory that a cell takes at least (contact/model/memory.cpp).
-constexpr double least_bytes = 500;
+/// A divided cell that the body touches leaves at least so many cells more, some of its children being outside.
+constexpr double min_gain = 2, min_gain_in_plane = 1;
+/// Memory that a cell takes at least (contact/model/memory.cpp).
+constexpr double min_bytes = 500;
 
 CellTree tree_of_sizes(const BodySpec& body, const BodyGeometry& geometry, const Grid& grid,
                        const std::function<double(const Vec3&, const Vec3&)>& wanted, int levels) {
-  const double memory = memory_budget().bytes, most_cells = std::min(body.most_cells, memory / least_bytes);
+  const double memory = memory_budget().bytes, max_cells = std::min(body.max_cells, memory / min_bytes);
   try {
     return refine_cells(geometry, grid, wanted, levels,
-                        most_cells / (grid.is_quadtree() ? least_gain_in_plane : least_gain));
+                        max_cells / (grid.is_quadtree() ? min_gain_in_plane : min_gain));
   } catch (const TooManyCells&) {
     throw TooManyCells(fmt::format("its smaller cells would be more than {}, too many for {}; ask for larger ones",
-                                   grouped(static_cast<long long>(most_cells)),
-                                   most_cells < body.most_cells ? memory_text(memory) + " of memory" : "the limit"));
+                                   grouped(static_cast<long long>(max_cells)),
+                                   max_cells < body.max_cells ? memory_text(memory) + " of memory" : "the limit"));
   }
 }
 
@@ -63,8 +63,8 @@ std::vector<char> cells_of_face(const CutCells& cells, const FaceSpec& face) {
   const BoundaryPoints& points = cells.boundary;
   for (std::size_t p = 0; p < points.size(); ++p)
     if (face.contains(cells.solid.surfaces()[points.surface[p]].names,
-                      cells.grid.to_global(points.position_of_piece(p)),
-                      cells.grid.rotation * points.normal_of_piece(p)))
+                      cells.grid.to_global(points.position_of_facet(p)),
+                      cells.grid.rotation * points.normal_of_facet(p)))
       marked[points.cell[p]] = 1;
   return marked;
 }

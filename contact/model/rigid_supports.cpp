@@ -20,20 +20,20 @@ using Motion = Eigen::Matrix<double, 6, 1>;
 
 void check(const Scene& scene, const BodyModel& body, const std::vector<const SupportPoint*>& points) {
   Vec3 centre = Vec3::Zero(), low = Vec3::Constant(1e300), high = -low;
-  std::vector<Vec3> places;
+  std::vector<Vec3> positions;
   double largest = 0;
   for (const SupportPoint* p : points) {
-    places.push_back(global_position(body.cut_cells, p->cell, p->xi));
-    centre += places.back() / static_cast<double>(points.size());
-    low = low.cwiseMin(places.back());
-    high = high.cwiseMax(places.back());
+    positions.push_back(global_position(body.cut_cells, p->cell, p->xi));
+    centre += positions.back() / static_cast<double>(points.size());
+    low = low.cwiseMin(positions.back());
+    high = high.cwiseMax(positions.back());
     largest = std::max(largest, std::abs(p->prescribed));
   }
   if (largest == 0) return;
   const double size = std::max((high - low).norm(), 1e-300);
   const auto row = [&](std::size_t i) {
     Motion r;
-    r << points[i]->direction, ((places[i] - centre) / size).cross(points[i]->direction);
+    r << points[i]->direction, ((positions[i] - centre) / size).cross(points[i]->direction);
     return r;
   };
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
@@ -53,9 +53,9 @@ void check(const Scene& scene, const BodyModel& body, const std::vector<const Su
     if (misfit(i) > misfit(worst)) worst = i;
   if (misfit(worst) <= equal * largest) return;
   const SupportSpec& support = scene.supports[points[worst]->support];
-  const Vec3& x = places[worst];
+  const Vec3& x = positions[worst];
   throw InputError(
-      support.place, '"' + body.spec->name + "." + support.face.face.name + '"',
+      support.location, '"' + body.spec->name + "." + support.face.face.name + '"',
       fmt::format("would deform the rigid body \"{}\": prescribes {:g} m at ({:.4g}, {:.4g}, {:.4g}) m where "
                   "the nearest rigid motion has {:g} m",
                   body.spec->name, points[worst]->prescribed, x[0], x[1], x[2], row(worst).dot(motion)),

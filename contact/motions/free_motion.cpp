@@ -14,7 +14,7 @@ namespace {
 /// body's cells is not that of the body.
 constexpr double mostly = 0.1;
 /// Number of boundary points among which the held ones are chosen: of all bodies, and least of each.
-constexpr std::size_t most_candidates = 3000, fewest_candidates = 12;
+constexpr std::size_t max_candidates = 3000, min_candidates = 12;
 
 /// Columns that span the null space of a matrix whose singular values are of order 1 or zero.
 Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
@@ -51,7 +51,7 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
 
 /// Returns the resistance of a body's contact with others (it and those bonded to it), with the normals of its own
 /// surface and with those of the others.
-std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
+std::pair<Resistance, Resistance> contact_resistance(int b, const RigidComponent& component,
                                                      const std::vector<BodyModel>& bodies,
                                                      const std::vector<ContactPair>& pairs,
                                                      const std::vector<int>& assembly,
@@ -63,14 +63,15 @@ std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& pi
     for (std::size_t q = 0; q < pair.points.size(); ++q) {
       const ContactPoint point = pair.points[q];
       pair.each_tangent(q, [&](const Vec3& t) {  // friction resists along both surfaces
-        const RigidMotion along = piece.row(point.x, t);
+        const RigidMotion along = component.row(point.x, t);
         own += point.weight * along * along.transpose();
         others += point.weight * along * along.transpose();
       });
-      const RigidMotion primary = piece.row(point.x, normals[pair.primary](point.primary_cell, point.primary_position));
+      const RigidMotion primary =
+          component.row(point.x, normals[pair.primary](point.primary_cell, point.primary_position));
       const Vec3 opposite = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
       const RigidMotion secondary =
-          piece.row(opposite, normals[pair.secondary](point.secondary_cell, point.secondary_position));
+          component.row(opposite, normals[pair.secondary](point.secondary_cell, point.secondary_position));
       (is_primary ? own : others) += point.weight * primary * primary.transpose();
       (is_primary ? others : own) += point.weight * secondary * secondary.transpose();
     }
@@ -79,11 +80,12 @@ std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& pi
 }
 
 /// Returns the resistance of supports for every body; those of bodies that are bonded to it count as its own.
-std::vector<Resistance> support_resistance(const std::vector<RigidPiece>& pieces, const std::vector<BodyModel>& bodies,
+std::vector<Resistance> support_resistance(const std::vector<RigidComponent>& components,
+                                           const std::vector<BodyModel>& bodies,
                                            const std::vector<SupportPoint>& supports,
                                            const std::vector<int>& assembly) {
   std::vector<Resistance> held(bodies.size(), Resistance::Zero());
-  for (const SupportPoint& p : supports) add_resistance(p, pieces, bodies, assembly, held);
+  for (const SupportPoint& p : supports) add_resistance(p, components, bodies, assembly, held);
   return held;
 }
 
@@ -164,18 +166,19 @@ FreeMotions FreeMotions::without_rotation() const {
 
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness) {
-  RigidPieces pieces = whole_bodies(bodies);
+  RigidComponents components = whole_bodies(bodies);
   FreeMotions free;
-  free.modes = free_rigid_motions(pieces, bodies, supports, pairs, no_stiffness);
-  free.bodies = std::move(pieces.list);
+  free.modes = free_rigid_motions(components, bodies, supports, pairs, no_stiffness);
+  free.bodies = std::move(components.list);
   return free;
 }
 
-void add_resistance(const SupportPoint& p, const std::vector<RigidPiece>& pieces, const std::vector<BodyModel>& bodies,
-                    const std::vector<int>& assembly, std::vector<Resistance>& held) {
+void add_resistance(const SupportPoint& p, const std::vector<RigidComponent>& components,
+                    const std::vector<BodyModel>& bodies, const std::vector<int>& assembly,
+                    std::vector<Resistance>& held) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (assembly[b] != assembly[p.body]) continue;
-    const RigidMotion q = pieces[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    const RigidMotion q = components[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     held[b] += p.weight * q * q.transpose();
   }
 }
@@ -246,12 +249,12 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
 }
 
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
-                                            const std::vector<RigidPiece>& pieces) {
+                                            const std::vector<RigidComponent>& components) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * bodies.size()));
   double magnitude = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     each_force(bodies[b], [&](int, const Vec3&, const Vec3& x, const Vec3& force) {
-      load.segment<6>(6 * b) += pieces[b].row(x, force);
+      load.segment<6>(6 * b) += components[b].row(x, force);
       magnitude += force.norm();
     });
   return {load, magnitude};
@@ -287,7 +290,7 @@ std::string describe(const FreeMotions& free, const Scene& scene) {
 
 std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyModel>& bodies) {
   std::vector<SupportPoint> candidates;
-  const std::size_t per_body = std::max(fewest_candidates, most_candidates / bodies.size());
+  const std::size_t per_body = std::max(min_candidates, max_candidates / bodies.size());
   std::vector<Eigen::VectorXd> rows;  // of each candidate: its displacement in every motion
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
     const BodyModel& body = bodies[b];

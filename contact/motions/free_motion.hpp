@@ -9,7 +9,7 @@
 namespace cgcontact {
 
 struct FreeMotions {
-  std::vector<RigidPiece> bodies;
+  std::vector<RigidComponent> bodies;
   Eigen::MatrixXd modes;  ///< orthonormal columns; rows 6 b .. 6 b + 5: RigidMotion of body b
 
   /// Joins the motions of the same bodies.
@@ -35,7 +35,7 @@ using Resistance = Eigen::Matrix<double, 6, 6>;
 Eigen::MatrixXd motions_not_resisted(const Resistance& resistance);
 
 /// Adds the resistance of a support point to its body and to those that are bonded to it (bonded_assemblies).
-void add_resistance(const SupportPoint& point, const std::vector<RigidPiece>& pieces,
+void add_resistance(const SupportPoint& point, const std::vector<RigidComponent>& components,
                     const std::vector<BodyModel>& bodies, const std::vector<int>& assembly,
                     std::vector<Resistance>& held);
 
@@ -61,7 +61,7 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
 /// Returns the work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the
 /// forces' magnitudes.
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
-                                            const std::vector<RigidPiece>& pieces);
+                                            const std::vector<RigidComponent>& components);
 
 /// Returns those with more work of the loads than the fraction `no_load` of them (integrated to 1e-9): one column, or
 /// none.

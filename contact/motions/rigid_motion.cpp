@@ -15,30 +15,31 @@ namespace {
 using Block = Eigen::Matrix<double, 6, 6>;
 
 /// Resistance of supports and closed contact by pairs of connected components (lower triangle: first >= second).
-using PieceResistance = std::map<std::pair<int, int>, Block>;
+using ComponentResistance = std::map<std::pair<int, int>, Block>;
 
-PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
-                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
-  PieceResistance sum;
+ComponentResistance resistance_of(const RigidComponents& components, const std::vector<BodyModel>& bodies,
+                                  const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
+  ComponentResistance sum;
   const auto add = [&](int i, int j, const Block& block) {
     sum.try_emplace({i, j}, Block::Zero()).first->second += block;
   };
   for (const SupportPoint& p : supports) {
     if (p.follows) continue;
-    const int k = pieces.at(p.body, p.cell);
-    const RigidPiece& piece = pieces.list[k];
-    const RigidMotion q = piece.row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-    add(k, k, p.weight / (piece.size() * piece.size()) * q * q.transpose());
+    const int k = components.at(p.body, p.cell);
+    const RigidComponent& component = components.list[k];
+    const RigidMotion q = component.row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    add(k, k, p.weight / (component.size() * component.size()) * q * q.transpose());
   }
   for (const ContactPair& pair : pairs)
     for (std::size_t q = 0; q < pair.points.size(); ++q) {
       const ContactPoint point = pair.points[q];
       if (!point.active) continue;
-      const int k[2] = {pieces.at(pair.primary, point.primary_cell), pieces.at(pair.secondary, point.secondary_cell)};
-      const double size = pieces.list[k[0]].size();
+      const int k[2] = {components.at(pair.primary, point.primary_cell),
+                        components.at(pair.secondary, point.secondary_cell)};
+      const double size = components.list[k[0]].size();
       pair.each_direction(q, [&](const Vec3& direction) {
-        const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -direction),
-                                    pieces.list[k[1]].row(point.x, direction)};
+        const RigidMotion row[2] = {components.list[k[0]].row(point.x, -direction),
+                                    components.list[k[1]].row(point.x, direction)};
         for (int i = 0; i < 2; ++i)
           for (int j = 0; j < 2; ++j)
             if (k[i] >= k[j]) add(k[i], k[j], point.weight / (size * size) * row[i] * row[j].transpose());
@@ -48,23 +49,23 @@ PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyM
 }
 
 /// Groups connected components by assembly: those that contact joins.
-std::vector<std::vector<int>> find_assemblies(const PieceResistance& resistance, int num_pieces) {
-  std::vector<int> first(num_pieces);
+std::vector<std::vector<int>> find_assemblies(const ComponentResistance& resistance, int num_components) {
+  std::vector<int> first(num_components);
   std::iota(first.begin(), first.end(), 0);
   const auto root = [&](int k) {
     while (first[k] != k) k = first[k] = first[first[k]];
     return k;
   };
-  for (const auto& [pieces, block] : resistance) first[root(pieces.first)] = root(pieces.second);
+  for (const auto& [components, block] : resistance) first[root(components.first)] = root(components.second);
   std::map<int, std::vector<int>> assemblies;
-  for (int k = 0; k < num_pieces; ++k) assemblies[root(k)].push_back(k);
+  for (int k = 0; k < num_components; ++k) assemblies[root(k)].push_back(k);
   std::vector<std::vector<int>> list;
   for (auto& [any, members] : assemblies) list.push_back(std::move(members));
   return list;
 }
 
 /// Columns with rows for the members alone.
-Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const PieceResistance& resistance,
+Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const ComponentResistance& resistance,
                                 double no_stiffness) {
   const auto n = static_cast<Eigen::Index>(6 * members.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);  // lower triangle
@@ -86,18 +87,18 @@ Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const PieceResi
 }
 
 /// Adds the `count` connected components of a body, given by their numbers in it.
-void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int> piece_of_cell, int count,
-                RigidPieces& pieces) {
+void add_components(const std::vector<BodyModel>& bodies, int body, std::vector<int> component_of_cell, int count,
+                    RigidComponents& components) {
   const CutCells& cells = bodies[body].cut_cells;
-  const int first = static_cast<int>(pieces.list.size());
-  pieces.list.resize(first + count);
+  const int first = static_cast<int>(components.list.size());
+  components.list.resize(first + count);
   for (std::size_t e = 0; e < cells.cells.size(); ++e) {
-    piece_of_cell[e] += first;
-    RigidPiece& piece = pieces.list[piece_of_cell[e]];
-    piece.body = body;
-    extend_box(cells, static_cast<int>(e), piece.low, piece.high);
+    component_of_cell[e] += first;
+    RigidComponent& component = components.list[component_of_cell[e]];
+    component.body = body;
+    extend_box(cells, static_cast<int>(e), component.low, component.high);
   }
-  pieces.of_cell.push_back(std::move(piece_of_cell));
+  components.of_cell.push_back(std::move(component_of_cell));
 }
 
 }  // namespace
@@ -114,36 +115,36 @@ std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<Con
   return assembly;
 }
 
-RigidPieces whole_bodies(const std::vector<BodyModel>& bodies) {
-  RigidPieces pieces;
+RigidComponents whole_bodies(const std::vector<BodyModel>& bodies) {
+  RigidComponents components;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    pieces.list.push_back({static_cast<int>(b), bodies[b].low, bodies[b].high});
-  return pieces;
+    components.list.push_back({static_cast<int>(b), bodies[b].low, bodies[b].high});
+  return components;
 }
 
-RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
-  RigidPieces pieces;
+RigidComponents components_of(const std::vector<BodyModel>& bodies) {
+  RigidComponents components;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     int count = 0;
-    std::vector<int> piece_of_cell = find_connected_pieces(bodies[b].cut_cells, count);
-    add_pieces(bodies, static_cast<int>(b), std::move(piece_of_cell), count, pieces);
+    std::vector<int> component_of_cell = find_connected_components(bodies[b].cut_cells, count);
+    add_components(bodies, static_cast<int>(b), std::move(component_of_cell), count, components);
   }
-  return pieces;
+  return components;
 }
 
-Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+Eigen::MatrixXd free_rigid_motions(const RigidComponents& components, const std::vector<BodyModel>& bodies,
                                    const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                    double no_stiffness) {
-  const PieceResistance resistance = resistance_of(pieces, bodies, supports, pairs);
-  const int num_pieces = static_cast<int>(pieces.list.size());
+  const ComponentResistance resistance = resistance_of(components, bodies, supports, pairs);
+  const int num_components = static_cast<int>(components.list.size());
   std::vector<std::pair<std::vector<int>, Eigen::MatrixXd>> found;
   Eigen::Index columns = 0;
-  for (std::vector<int>& members : find_assemblies(resistance, num_pieces)) {
+  for (std::vector<int>& members : find_assemblies(resistance, num_components)) {
     Eigen::MatrixXd modes = free_motions_of(members, resistance, no_stiffness);
     columns += modes.cols();
     if (modes.cols() > 0) found.emplace_back(std::move(members), std::move(modes));
   }
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(6 * num_pieces, columns);
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(6 * num_components, columns);
   Eigen::Index column = 0;
   for (const auto& [members, modes] : found) {
     for (std::size_t i = 0; i < members.size(); ++i)

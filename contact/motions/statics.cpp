@@ -15,13 +15,13 @@ constexpr double tolerance = 1e-10;
 /// pairs.
 struct Statics::Impl {
   const std::vector<ContactPair>& pairs;
-  RigidPieces pieces;
+  RigidComponents components;
   std::vector<double> closed_area;  // of each pair
   SymmetricEigen<Eigen::Dynamic> matrix;
 
   Impl(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
        const std::vector<ContactPair>& all_pairs)
-      : pairs(all_pairs), pieces(whole_bodies(bodies)), closed_area(all_pairs.size(), 0) {
+      : pairs(all_pairs), components(whole_bodies(bodies)), closed_area(all_pairs.size(), 0) {
     const Eigen::Index size = 6 * static_cast<Eigen::Index>(bodies.size());
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
     // Every support and every pair counts alike, however small its area is.
@@ -31,7 +31,7 @@ struct Statics::Impl {
     for (const SupportPoint& p : supports) {
       if (p.support < 0) continue;
       const RigidMotion row =
-          pieces.list[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+          components.list[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
       sum.block<6, 6>(6 * p.body, 6 * p.body) += p.weight / support_area[p.support] * row * row.transpose();
     }
     for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -52,8 +52,8 @@ struct Statics::Impl {
 
   /// Returns the rows of the relative motion along a point's direction, of the primary body less the secondary one.
   std::pair<RigidMotion, RigidMotion> rows(std::size_t k, const ContactPoint& q) const {
-    return {pieces.list[pairs[k].primary].row(q.x, q.direction),
-            -pieces.list[pairs[k].secondary].row(q.x, q.direction)};
+    return {components.list[pairs[k].primary].row(q.x, q.direction),
+            -components.list[pairs[k].secondary].row(q.x, q.direction)};
   }
 };
 

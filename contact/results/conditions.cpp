@@ -142,7 +142,7 @@ std::string condition_of(const SolvedState& state, int support) {
       prescribed[k].add(point.value);
   }
   std::string text;
-  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  const auto add = [&](const std::string& phrase) { text += (text.empty() ? "" : ", ") + phrase; };
   for (int k = 0; k < num_held; ++k) {
     const char* const name = name_of(static_cast<Held>(k));
     if (prescribed[k].any())

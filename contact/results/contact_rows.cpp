@@ -24,8 +24,8 @@ int pair_of_face(const SolvedState& state, int body, int boundary_point) {
   const BodyModel& model = state.bodies[body];
   const Grid& grid = model.cut_cells.grid;
   const BoundaryPoints& points = model.cut_cells.boundary;
-  const Vec3 x = grid.to_global(points.position_of_piece(boundary_point)),
-             n = grid.rotation * points.normal_of_piece(boundary_point);
+  const Vec3 x = grid.to_global(points.position_of_facet(boundary_point)),
+             n = grid.rotation * points.normal_of_facet(boundary_point);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
     if ((pair.primary == body || pair.secondary == body) &&

@@ -19,9 +19,9 @@ constexpr double beyond_closed = 1.25;
 /// (2 pi / 2)^-6.
 constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
-constexpr double least_angle = 1e-4;
+constexpr double min_angle = 1e-4;
 /// Fraction of a zone's force that decides nothing.
-constexpr double relevant_part = 0.01;
+constexpr double relevant_fraction = 0.01;
 
 /// Planes that both bodies have; a rigid body needs none.
 std::vector<SymmetryPlane> planes_of(const SolvedState& state, const ContactPair& pair) {
@@ -44,14 +44,14 @@ bool reaches_end(const ZonePatches& patches, const FaceZone& zone) {
     for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a)
       for (const int next : grid.beside(share.patch, a))
         if (next < 0 || patches.shares()[next].empty())
-          end[share.group] += share.part * (grid.plane_strain ? patches.h() : grid.spacing[1 - a]);
+          end[share.group] += share.fraction * (grid.plane_strain ? patches.h() : grid.spacing[1 - a]);
   }
   double at_end = 0, force = 0;
   for (std::size_t g = 0; g < zone.groups.size(); ++g) {
     force += zone.groups[g].force;
     if (end[g] >= patches.h() / 2) at_end += zone.groups[g].force;
   }
-  return at_end > relevant_part * force;
+  return at_end > relevant_fraction * force;
 }
 
 /// Width of the widest facets of a body where it touches, m; 0: it is not made of triangles there.
@@ -62,7 +62,7 @@ double widest_facet(const SolvedState& state, const ContactPair& pair, const Zon
     if (!patches.is_closed(q)) continue;
     const ContactPoint point = pair.points[q];
     const Vec3& position = body == pair.primary ? point.primary_position : point.secondary_position;
-    widest = std::max(widest, cells.grid.cell_size * cells.solid.geometry().facet_width(position, least_angle));
+    widest = std::max(widest, cells.grid.cell_size * cells.solid.geometry().facet_width(position, min_angle));
   }
   return widest;
 }
@@ -102,7 +102,7 @@ FaceZone make_zone(const SolvedState& state, const PairGroups& face, const std::
   zone.may_press.assign(shares.size(), 0);
   PointBuckets closed_points(beyond_closed * h);
   for (std::size_t k = 0; k < patches.points().size(); ++k)
-    if (patches.is_closed(patches.points()[k])) closed_points.add(patches.places()[k], static_cast<int>(k));
+    if (patches.is_closed(patches.points()[k])) closed_points.add(patches.coordinates()[k], static_cast<int>(k));
   std::vector<int> number(groups.size(), -1);
   const auto add = [&](int g) {
     if (number[g] >= 0) return;
@@ -122,13 +122,13 @@ FaceZone make_zone(const SolvedState& state, const PairGroups& face, const std::
     });
     zone.inside.push_back(!shares[n].empty() && mine);
     if (!zone.inside.back()) continue;
-    for (const auto& [g, part] : shares[n]) {
+    for (const auto& [g, fraction] : shares[n]) {
       add(g);
-      zone.shares.push_back({static_cast<int>(n), number[g], part});
+      zone.shares.push_back({static_cast<int>(n), number[g], fraction});
     }
     const Vec3 x = patches.flat(patches.grid().centre(static_cast<int>(n)));
     zone.may_press[n] =
-        closed_points.any_near(x, [&](int k) { return (patches.places()[k] - x).norm() < beyond_closed * h; });
+        closed_points.any_near(x, [&](int k) { return (patches.coordinates()[k] - x).norm() < beyond_closed * h; });
   }
   return zone;
 }

@@ -45,18 +45,18 @@ double distance_from(const Axis& axis, const Vec3& x) { return axis.direction.cr
 
 /// Motions of a zone (translation, then rotation about `centre` with lengths over `size`) that both sides resist by
 /// less than a mean square.
-Eigen::MatrixXd motions_along(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre, double size,
+Eigen::MatrixXd motions_along(const std::array<std::vector<PressedPoint>, 2>& sides, const Vec3& centre, double size,
                               const std::optional<Vec3>& across, double tolerance) {
   Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
-  for (const std::vector<PressedPlace>& side : sides) {
+  for (const std::vector<PressedPoint>& side : sides) {
     double area = 0;
-    for (const PressedPlace& place : side) area += place.area;
-    for (const PressedPlace& place : side)
+    for (const PressedPoint& point : side) area += point.area;
+    for (const PressedPoint& point : side)
       for (const double shift : {-1.0, 1.0}) {  // rows of plane strain lie in one plane
         Eigen::Matrix<double, 6, 1> row;
-        const Vec3 r = (place.x - centre) / size + (across ? Vec3(shift * *across) : Vec3(Vec3::Zero()));
-        row << place.normal, r.cross(place.normal);
-        sum += place.area / (2 * area) * row * row.transpose();
+        const Vec3 r = (point.x - centre) / size + (across ? Vec3(shift * *across) : Vec3(Vec3::Zero()));
+        row << point.normal, r.cross(point.normal);
+        sum += point.area / (2 * area) * row * row.transpose();
       }
   }
   const SymmetricEigen<6> eigen(sum);
@@ -66,11 +66,11 @@ Eigen::MatrixXd motions_along(const std::array<std::vector<PressedPlace>, 2>& si
 }
 
 std::optional<TorqueCapacity> axis_of_motions(const Eigen::MatrixXd& motions, const Vec3& zone_centre, double size,
-                                              const Vec3& centre, double least_rotation) {
+                                              const Vec3& centre, double min_rotation) {
   if (motions.cols() == 0) return {};
   const SingularValues rotations(motions.bottomRows(3), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const auto rotation = [&](Eigen::Index k) { return k < rotations.values().size() ? rotations.values()[k] : 0.0; };
-  if (!(rotation(0) > least_rotation) || rotation(1) > no_rotation * rotation(0)) return {};
+  if (!(rotation(0) > min_rotation) || rotation(1) > no_rotation * rotation(0)) return {};
   TorqueCapacity found;
   const double sign = largest_component(rotations.left().col(0)) < 0 ? -1 : 1;
   found.axis.direction = without_rounding(sign * rotations.left().col(0), 1);
@@ -94,7 +94,7 @@ class FrictionZone {
       : state_(state),
         pair_(state.pairs[pair]),
         figures_(results.pairs[pair]),
-        place_(place_of_zone(state, results, pair)) {
+        frame_(frame_of_zone(state, results, pair)) {
     for (std::size_t g = 0; g < pair_.groups.size(); ++g) {
       const ContactGroup& group = pair_.groups[g];
       const double force = state.bodies[pair_.primary].slices * force_unit(state) * group_force[g];
@@ -110,15 +110,15 @@ class FrictionZone {
   }
 
   double force() const { return force_; }
-  const std::vector<SymmetryPlane>& planes() const { return place_.planes; }
-  double parts() const { return std::pow(2.0, static_cast<double>(place_.planes.size())); }
+  const std::vector<SymmetryPlane>& planes() const { return frame_.planes; }
+  double num_sectors() const { return std::pow(2.0, static_cast<double>(frame_.planes.size())); }
 
   /// Finds axis and capacity, without the error; or says why there is none.
   std::optional<TorqueCapacity> torque(std::string& why) const {
     std::optional<TorqueCapacity> torque = find_axis(why);
     if (!torque) return torque;
     torque->capacity = pair_.spec->friction * force_ * lever(torque->axis, recovered_, false);
-    torque->whole = parts() * pair_.spec->friction * force_ * lever(torque->axis, recovered_, true);
+    torque->whole = num_sectors() * pair_.spec->friction * force_ * lever(torque->axis, recovered_, true);
     return torque;
   }
 
@@ -134,15 +134,15 @@ class FrictionZone {
     double size;  ///< N, or in proportion to it
   };
 
-  std::vector<Vec3> places(const Vec3& x, bool with_images_of) const {
-    return with_images_of ? with_images(x, place_.planes) : std::vector<Vec3>{x};
+  std::vector<Vec3> positions(const Vec3& x, bool with_images_of) const {
+    return with_images_of ? with_images(x, frame_.planes) : std::vector<Vec3>{x};
   }
 
   /// Mean distance from an axis, m.
   double lever(const Axis& axis, const std::vector<Force>& forces, bool with_images_of) const {
     double sum = 0, all = 0;
     for (const Force& f : forces)
-      for (const Vec3& x : places(f.x, with_images_of)) {
+      for (const Vec3& x : positions(f.x, with_images_of)) {
         sum += f.size * distance_from(axis, x);
         all += f.size;
       }
@@ -154,7 +154,7 @@ class FrictionZone {
     Vec3 sum = Vec3::Zero();
     double all = 0;
     for (const Force& f : transmitted_)
-      for (const Vec3& x : places(f.x, true)) {
+      for (const Vec3& x : positions(f.x, true)) {
         sum += f.size * x;
         all += f.size;
       }
@@ -176,8 +176,8 @@ class FrictionZone {
       torque.axis = {given->point, *given->axis};
     } else if (const auto found = axis_of_faces(sides_, centre, across)) {
       torque = *found;
-    } else if (place_.normal) {
-      torque.axis = {centre, *place_.normal};
+    } else if (frame_.normal) {
+      torque.axis = {centre, *frame_.normal};
       torque.from = TorqueCapacity::From::mean_normal;
     } else {
       why = "the zone is neither flat nor of revolution: moment_about with an axis names one";
@@ -193,10 +193,10 @@ class FrictionZone {
   const SolvedState& state_;
   const ContactPair& pair_;
   const PairFigures& figures_;
-  ZonePlace place_;
+  ZoneFrame frame_;
   double force_ = 0;
   std::vector<Force> transmitted_, recovered_;
-  std::array<std::vector<PressedPlace>, 2> sides_;
+  std::array<std::vector<PressedPoint>, 2> sides_;
 };
 
 /// Estimates the error of the normal force, relative.
@@ -224,7 +224,7 @@ std::optional<double> error_of_shear(const Results& results, std::size_t k, doub
     size += row.weight * row.shear_sprc.squaredNorm();
     limit += row.weight * std::pow(coefficient * row.pressure_sprc, 2);
   }
-  if (!(size > std::pow(relevant_part_of_force, 2) * limit)) return std::nullopt;
+  if (!(size > std::pow(relevant_force_fraction, 2) * limit)) return std::nullopt;
   return std::sqrt(difference / size);
 }
 
@@ -272,23 +272,23 @@ void fill_state(const SolvedState& state, std::size_t k, const std::vector<Symme
 
 }  // namespace
 
-std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre,
+std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPoint>, 2>& sides, const Vec3& centre,
                                             const std::optional<Vec3>& across) {
   Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();  // of the first side less the second one
   double area = 0, size = 0;
   for (const auto& side : sides)
-    for (const PressedPlace& place : side) {
-      middle += place.area * place.x;
-      normal += (&side == sides.data() ? 1 : -1) * place.area * place.normal;
-      area += place.area;
+    for (const PressedPoint& point : side) {
+      middle += point.area * point.x;
+      normal += (&side == sides.data() ? 1 : -1) * point.area * point.normal;
+      area += point.area;
     }
   if (!(area > 0)) return {};
   middle /= area;
   for (const auto& side : sides)
-    for (const PressedPlace& place : side) size = std::max(size, (place.x - middle).norm());
+    for (const PressedPoint& point : side) size = std::max(size, (point.x - middle).norm());
   if (!(size > 0)) return {};
-  const auto find = [&](double tolerance, double least_rotation) {
-    return axis_of_motions(motions_along(sides, middle, size, across, tolerance), middle, size, centre, least_rotation);
+  const auto find = [&](double tolerance, double min_rotation) {
+    return axis_of_motions(motions_along(sides, middle, size, across, tolerance), middle, size, centre, min_rotation);
   };
   if (const auto exact = find(exact_face, far_axis)) return exact;
   const auto near = find(faceted, far_axis_of_facets);
@@ -302,7 +302,7 @@ namespace {
 constexpr double no_change_by_shear = 0.005;
 /// Least number of steps in which bodies of different materials are pressed; fraction of the closed area that was apart
 /// before the first one; fraction of a cell that slip may be (contact points see what lay opposite in the beginning).
-constexpr std::size_t fewest_steps = 10;
+constexpr std::size_t min_steps = 10;
 constexpr double little_area = 0.1, small_slip = 1.0 / 3;
 
 /// Compliance 1/G; 0 of a rigid body.
@@ -311,7 +311,7 @@ double shear_compliance(const Material& material) {
 }
 
 /// Returns the fraction of a pair's closed area that was apart in the beginning.
-double part_that_was_apart(const ContactPair& pair) {
+double fraction_once_apart(const ContactPair& pair) {
   double apart = 0, closed = 0;
   for (std::size_t q = 0; q < pair.points.size(); ++q) {
     if (!pair.points.active(q)) continue;
@@ -338,11 +338,11 @@ std::vector<std::string> friction_warnings(const SolvedState& state) {
     const ContactPair& pair = state.pairs[k];
     if (pair.num_tangents == 0) continue;
     const std::size_t steps = std::max<std::size_t>(1, state.scene.steps.size());
-    if (steps < fewest_steps && shear_changes_pressure(state, pair) && part_that_was_apart(pair) > little_area)
+    if (steps < min_steps && shear_changes_pressure(state, pair) && fraction_once_apart(pair) > little_area)
       warnings.push_back(fmt::format(
           "contact \"{}\": bodies of different materials slip while they are pressed, here in {} step{}: what sticks "
           "depends on the steps, {} or more say it better",
-          pair.spec->name, steps, steps == 1 ? "" : "s", fewest_steps));
+          pair.spec->name, steps, steps == 1 ? "" : "s", min_steps));
     double farthest = 0;
     const std::vector<Vec3>& slip = state.outer.friction[k].slip;
     for (std::size_t q = 0; q < slip.size(); ++q)
@@ -369,7 +369,7 @@ void fill_friction(const SolvedState& state, Results& results) {
     if (results.pairs[k].area > 0) {
       const FrictionZone zone(state, results, static_cast<int>(k), group_force);
       friction.capacity = pair.spec->friction * zone.force();
-      friction.whole = zone.parts() * friction.capacity;
+      friction.whole = zone.num_sectors() * friction.capacity;
       planes = zone.planes();
       friction.error = error_of_force(state, results, k, zone.force());
       friction.torque = zone.torque(friction.why_no_torque);

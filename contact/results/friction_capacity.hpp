@@ -33,7 +33,7 @@ bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair);
 std::vector<std::string> friction_warnings(const SolvedState& state);
 
 /// Pressed point: m, outward unit normal, m^2 of area.
-struct PressedPlace {
+struct PressedPoint {
   Vec3 x, normal;
   double area;
 };
@@ -41,7 +41,7 @@ struct PressedPlace {
 /// Returns the axis about which faces turn into themselves, of both sides of a zone, through `centre` where its
 /// position is not determined (flat faces). None: there is none, or more than one (spheres). across: direction of plane
 /// strain.
-std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre,
+std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPoint>, 2>& sides, const Vec3& centre,
                                             const std::optional<Vec3>& across);
 
 }  // namespace cgcontact

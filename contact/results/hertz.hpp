@@ -8,7 +8,7 @@ namespace cgcontact {
 
 /// Solves point contact: force in N, principal relative curvatures 0 < least <= most in 1/m (sums over both bodies,
 /// convex positive). a lies along the direction of the least.
-HertzFigures hertz_point(double force, double least_curvature, double most_curvature, double modulus);
+HertzFigures hertz_point(double force, double min_curvature, double max_curvature, double modulus);
 
 /// Solves line contact: force per length in N/m, relative curvature across in 1/m.
 HertzFigures hertz_line(double force_per_length, double curvature, double modulus);

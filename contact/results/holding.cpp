@@ -63,28 +63,28 @@ std::string pair_fault(const SolvedState& state, const Results& figures, std::si
 
 Vec3 holding_force(const SolvedState& state, int body) { return holding_resultants(state, body).first; }
 
-double held_part(const SolvedState& state, int body) {
+double held_fraction(const SolvedState& state, int body) {
   const double contact = largest_contact(state, body);
   if (!(contact > 0)) return 0;
   const auto [force, moment] = holding_resultants(state, body);
   return std::max(force.norm(), 2 * moment.norm() / longest_extent(state.bodies[body])) / contact;
 }
 
-double held_part(const SolvedState& state, const ContactPair& pair) {
-  return std::max(held_part(state, pair.primary), held_part(state, pair.secondary));
+double held_fraction(const SolvedState& state, const ContactPair& pair) {
+  return std::max(held_fraction(state, pair.primary), held_fraction(state, pair.secondary));
 }
 
-std::string place_keeping_warning(const SolvedState& state) {
+std::string surface_hold_warning(const SolvedState& state) {
   std::set<int> held;
   for (const SupportPoint& p : state.supports)
-    if (p.keeps_place) held.insert(p.body);
+    if (p.holds_along_surface) held.insert(p.body);
   if (held.empty()) return "";
-  const auto part = [&](int b) { return held_part(state, b); };
-  const int most = *std::max_element(held.begin(), held.end(), [&](int a, int b) { return part(a) < part(b); });
+  const auto fraction = [&](int b) { return held_fraction(state, b); };
+  const int most = *std::max_element(held.begin(), held.end(), [&](int a, int b) { return fraction(a) < fraction(b); });
   return fmt::format(
       "{} held by contact alone would drift along the surfaces by many cells, unloaded: fixed there, which takes at "
       "most {:.2g} % of the largest contact force (body \"{}\"); smaller cells at the contact reduce it",
-      held.size() == 1 ? "a body" : fmt::format("{} bodies", held.size()), 100 * part(most),
+      held.size() == 1 ? "a body" : fmt::format("{} bodies", held.size()), 100 * fraction(most),
       state.bodies[most].spec->name);
 }
 

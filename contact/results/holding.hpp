@@ -1,4 +1,4 @@
-/// Motions that the scene leaves free are held (contact/motions, contact/solve/surface_wanderers.hpp): exact contact
+/// Motions that the scene leaves free are held (contact/motions, contact/solve/tangential_drift.hpp): exact contact
 /// does no work on them, so that what holds them takes no force. What it still takes is an error of the cells.
 #pragma once
 
@@ -13,12 +13,12 @@ Vec3 holding_force(const SolvedState& state, int body);
 /// The same, or its moment about the body's middle over half its length where that is more, of the largest contact
 /// force on the body: by so much the contact forces on it may be wrong. Zero: nothing holds it, or no contact acts on
 /// it.
-double held_part(const SolvedState& state, int body);
+double held_fraction(const SolvedState& state, int body);
 /// Returns the larger one of the two bodies of a pair.
-double held_part(const SolvedState& state, const ContactPair& pair);
+double held_fraction(const SolvedState& state, const ContactPair& pair);
 
 /// Warns of bodies that are held along surfaces, with the force that it takes. Empty: none are.
-std::string place_keeping_warning(const SolvedState& state);
+std::string surface_hold_warning(const SolvedState& state);
 
 /// Returns whether any pair carries more than rounding beside all that acts on the bodies.
 bool contact_carries(const SolvedState& state);

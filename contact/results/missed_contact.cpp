@@ -12,10 +12,10 @@ namespace {
 
 /// Passes over the boundary between the points for ever smaller gaps, and the fraction of a gap to which the smallest
 /// is known then.
-constexpr int most_looks = 10;
+constexpr int max_searches = 10;
 constexpr double close_enough = 0.1;
 /// Overlap that is more than rounding, cells.
-constexpr double least_overlap = 1e-6;
+constexpr double min_overlap = 1e-6;
 
 /// As far as the two bodies can be apart, m.
 double far(const SolvedState& state, int a, int b) {
@@ -54,7 +54,7 @@ double missed_distance(const SolvedState& state, const ContactPair& seen) {
                       const double gap = opposite->distance - seen.interference +
                                          moved(seen.secondary, opposite->cell, opposite->position) -
                                          moved(seen.primary, boundary.cell[p], boundary.position[p]);
-                      if (gap < -least_overlap * secondary.cut_cells.h(opposite->cell))
+                      if (gap < -min_overlap * secondary.cut_cells.h(opposite->cell))
                         farthest[chunk] = std::max(farthest[chunk], opposite->distance);
                     }
                   });
@@ -116,12 +116,12 @@ std::vector<double> missed_contact(const SolvedState& state) {
   return any ? reach : std::vector<double>();
 }
 
-std::optional<LeastGap> least_gap(const SolvedState& state, const Results& results, std::size_t pair) {
+std::optional<LeastGap> min_gap(const SolvedState& state, const Results& results, std::size_t pair) {
   const std::optional<LeastGap> at_points = gap_at_points(results, static_cast<int>(pair));
   if (at_points && at_points->gap < 0) return at_points;
   std::optional<LeastGap> least = at_points;
   double enough = at_points ? at_points->gap : 0.0;
-  for (int k = 0; k < most_looks; ++k) {  // each time to a tenth of what the last time found
+  for (int k = 0; k < max_searches; ++k) {  // each time to a tenth of what the last time found
     const auto between = gap_between_points(state, state.pairs[pair], enough);
     if (!between) break;
     least = between;
@@ -135,8 +135,8 @@ std::vector<MissedOverlap> missed_overlaps(const Results& results) {
   std::vector<MissedOverlap> overlaps;
   for (std::size_t p = 0; p < results.pairs.size(); ++p) {
     const PairFigures& figures = results.pairs[p];
-    if (figures.least_gap && *figures.least_gap < -least_overlap * figures.least_gap_cell)
-      overlaps.push_back({static_cast<int>(p), -*figures.least_gap, figures.least_gap_at, figures.least_gap_cell});
+    if (figures.min_gap && *figures.min_gap < -min_overlap * figures.min_gap_cell)
+      overlaps.push_back({static_cast<int>(p), -*figures.min_gap, figures.min_gap_at, figures.min_gap_cell});
   }
   return overlaps;
 }

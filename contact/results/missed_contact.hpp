@@ -22,7 +22,7 @@ struct LeastGap {
   Vec3 x = Vec3::Zero();  ///< m
   double cell = 0;        ///< m, size of the larger cell there
 };
-std::optional<LeastGap> least_gap(const SolvedState& state, const Results& results, std::size_t pair);
+std::optional<LeastGap> min_gap(const SolvedState& state, const Results& results, std::size_t pair);
 
 /// Deepest overlap of a pair that transmits no force.
 struct MissedOverlap {

@@ -17,7 +17,7 @@ constexpr double safety = 3;
 /// Fraction of a body's motion: a deformation that is less is none.
 constexpr double motion_rounding = 1e-9;
 /// Fraction of the error that a gap counts as, where it is next to nothing.
-constexpr double least_ratio = 0.1;
+constexpr double min_ratio = 0.1;
 
 /// The largest displacement by which each body deforms, its rigid motion aside, m.
 std::vector<double> deformations(const SolvedState& state) {
@@ -27,10 +27,10 @@ std::vector<double> deformations(const SolvedState& state) {
     double here = 0;
     for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
       here = std::max(here, Vec3(u(dof_offset(n)), u(dof_offset(n) + 1), u(dof_offset(n) + 2)).norm());
-    const RigidPart& part = state.outer.rigid_parts[largest.size()];
+    const BodyMotion& motion = state.outer.body_motions[largest.size()];
     const BodyModel& body = state.bodies[largest.size()];
     const double moved =
-        part.translation.norm() + (part.rotation.norm() + part.expansion.norm()) * longest_extent(body);
+        motion.translation.norm() + (motion.rotation.norm() + motion.expansion.norm()) * longest_extent(body);
     here *= state.scales.length;
     largest.push_back(mesh.rigid || here < motion_rounding * moved ? 0 : here);
   }
@@ -53,33 +53,31 @@ void estimate_gap_errors(const SolvedState& state, Results& results) {
     const ContactPair& pair = state.pairs[p];
     PairFigures& figures = results.pairs[p];
     if (pair.bonded() || figures.active_points > 0) continue;
-    const auto nearest = least_gap(state, results, p);
+    const auto nearest = min_gap(state, results, p);
     if (!nearest) continue;
     if (deformation.empty()) deformation = deformations(state);
-    figures.least_gap = nearest->gap;
-    figures.least_gap_at = nearest->x;
-    figures.least_gap_cell = nearest->cell;
-    figures.least_gap_error = 0;
+    figures.min_gap = nearest->gap;
+    figures.min_gap_at = nearest->x;
+    figures.min_gap_cell = nearest->cell;
+    figures.min_gap_error = 0;
     for (const int body : {pair.primary, pair.secondary})
-      *figures.least_gap_error += safety * squared_error(results.bodies[body]) * deformation[body];
+      *figures.min_gap_error += safety * squared_error(results.bodies[body]) * deformation[body];
   }
 }
 
-double refinement_to_tell(double gap, double error) { return std::sqrt(std::max(gap / error, least_ratio)); }
+double refinement_to_tell(double gap, double error) { return std::sqrt(std::max(gap / error, min_ratio)); }
 
 std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results) {
   std::vector<UnclearGap> unclear;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const PairFigures& figures = results.pairs[p];
-    if (!figures.least_gap || !(*figures.least_gap <= *figures.least_gap_error) || *figures.least_gap_error == 0)
-      continue;
+    if (!figures.min_gap || !(*figures.min_gap <= *figures.min_gap_error) || *figures.min_gap_error == 0) continue;
     const ContactPair& pair = state.pairs[p];
     const double modulus =
         effective_modulus(state.scene.bodies[pair.primary].material, state.scene.bodies[pair.secondary].material);
-    unclear.push_back(
-        {static_cast<int>(p), *figures.least_gap, *figures.least_gap_error, figures.least_gap_at,
-         figures.least_gap_cell,
-         indentation * modulus * figures.least_gap_cell * (*figures.least_gap_error - *figures.least_gap)});
+    unclear.push_back({static_cast<int>(p), *figures.min_gap, *figures.min_gap_error, figures.min_gap_at,
+                       figures.min_gap_cell,
+                       indentation * modulus * figures.min_gap_cell * (*figures.min_gap_error - *figures.min_gap)});
   }
   return unclear;
 }

@@ -119,7 +119,7 @@ void add_zone(const SolvedState& state, int k, const Results& results, PairFigur
     for (const ContactRow& r : results.contact_rows)
       if (r.pair == k && r.touching && is_pressed(r, figures.max_pressure)) figures.area += 0.5 * r.weight;
   } else {
-    for (std::size_t q = 0; q < pair.num_places(); ++q)
+    for (std::size_t q = 0; q < pair.num_surface_points(); ++q)
       if (pair.points.active(q)) figures.area += pair.points.weight(q);
   }
 }
@@ -159,7 +159,7 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     figures.body_first = state.scene.bodies[pair.spec->first.body].name;
     figures.body_second = state.scene.bodies[pair.spec->second.body].name;
     figures.bonded = pair.bonded();
-    figures.points = static_cast<int>(pair.num_places());
+    figures.points = static_cast<int>(pair.num_surface_points());
     for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points.active(q);
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
       add_forces(state, pair, first_group, first_tangent, forces[k], figures);

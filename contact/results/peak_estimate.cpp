@@ -59,8 +59,8 @@ double largest_of_fit(const std::vector<const ContactRow*>& peak, const PairFigu
 }
 
 bool is_singular(const Results& results, const Vec3& x) {
-  return std::any_of(results.singular_places.begin(), results.singular_places.end(),
-                     [&](const SingularPlace& place) { return (place.x - x).norm() <= reach * place.cell; });
+  return std::any_of(results.singular_points.begin(), results.singular_points.end(),
+                     [&](const SingularPoint& point) { return (point.x - x).norm() <= reach * point.cell; });
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ void estimate_peak_errors(Results& results) {
     for (const ContactRow* row : near) largest_error = std::max(largest_error, row->pressure_error);
     const double excess = std::abs(figures.max_pressure - largest_of_fit(rows_of_peak(near, figures), figures));
     figures.max_pressure_error_estimate =
-        std::hypot((excess + largest_error) / figures.max_pressure, figures.force_part_of_pressure);
+        std::hypot((excess + largest_error) / figures.max_pressure, figures.force_error_of_pressure);
   }
 }
 

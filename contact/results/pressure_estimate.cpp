@@ -20,12 +20,12 @@ namespace {
 
 /// Widths of the Gaussian of the local mean beyond which nothing counts.
 constexpr double mean_reach = 3;
-/// Part of a width: sources in one cube of that size count as one, so that few count around a row however small the
+/// Fraction of a width: sources in one cube of that size count as one, so that few count around a row however small the
 /// cells.
 constexpr double mean_grain = 1. / 4;
 
-/// Part of a pair's force: less than that is the tolerance of the solver.
-constexpr double solved_part = 1e-4;
+/// Fraction of a pair's force: less than that is the tolerance of the solver.
+constexpr double solved_fraction = 1e-4;
 
 /// Marks the rows of a pair that have closed as well as open ones within ResultOptions::spoilt_at_edge cells: where the
 /// contact ends inside of both faces. Rows with nothing opposite are not open ones.
@@ -76,7 +76,7 @@ std::vector<char> rows_away_from_contact(const std::vector<ContactRow>& rows, in
   return marks;
 }
 
-/// The mean of transmitted less recovered pressure around a place. Rows near each other, beside the width of the mean
+/// The mean of transmitted less recovered pressure around a point. Rows near each other, beside the width of the mean
 /// there, count as one, at their centroid.
 class LocalMean {
  public:
@@ -208,7 +208,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
         errors[i] = std::hypot(errors[i], face->pressure - rows[i].pressure_spr);
     }
     if (figures.pressure_on_face && !(figures.force_error_estimate && *figures.force_error_estimate == 0))
-      figures.force_part_of_pressure = energy_error;
+      figures.force_error_of_pressure = energy_error;
     estimate_from_stress(state, pair, energy_error, rows, of_stress, errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {
@@ -220,14 +220,14 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     }
     figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;
     if (!touches) continue;
-    // What holds bodies that nothing else holds, and what the solver leaves, are no part of the exact equilibrium.
+    // What holds bodies that nothing else holds, and what the solver leaves, do not belong to the exact equilibrium.
     double unbalanced = 0;
     for (const int body : {state.pairs[p].primary, state.pairs[p].secondary})
       unbalanced = std::max(unbalanced, imbalance(results.balance[body]));
     const double wrong = normal[p] > 0 && figures.area > 0 && !state.pairs[p].bonded()
-                             ? held_part(state, state.pairs[p]) + unbalanced / normal[p]
+                             ? held_fraction(state, state.pairs[p]) + unbalanced / normal[p]
                              : 0;
-    if (wrong < solved_part) continue;
+    if (wrong < solved_fraction) continue;
     figures.pressure_error_estimate = std::hypot(figures.pressure_error_estimate, wrong);
     if (figures.force_error_estimate) figures.force_error_estimate = std::max(*figures.force_error_estimate, wrong);
   }

@@ -19,7 +19,7 @@ namespace cgcontact {
 /// - in zones of less than four cells the difference to the pressure of plain SPR: all the others look
 ///   for errors that are small, and SPR-C may be no better than SPR there.
 /// Where the pressure is that of a problem on the face (recovery/face/face_zone.hpp) it is what that problem says of
-/// itself, at the force of the run, whose own estimate stands beside it (PairFigures::force_part_of_pressure); where
+/// itself, at the force of the run, whose own estimate stands beside it (PairFigures::force_error_of_pressure); where
 /// the zone is not resolved with the difference to plain SPR. The pair's pressure estimate is the L2 norm of that
 /// relative to that of the pressure. The force is exact where the loads give it; where the zone is not resolved it has
 /// no estimate. Else its estimate is the square of the relative error of the energy norm: the force is a functional of

@@ -54,7 +54,7 @@ class RowTree {
   }
 
  private:
-  struct Part {
+  struct Node {
     std::size_t begin, end;  ///< of order_
     Eigen::AlignedBox3d box;
     Around all;
@@ -62,40 +62,40 @@ class RowTree {
   };
 
   void build(std::size_t begin, std::size_t end) {
-    Part part{begin, end, {}, {}};
+    Node node{begin, end, {}, {}};
     for (std::size_t i = begin; i < end; ++i) {
-      part.box.extend(rows_[order_[i]].x);
-      part.all.add(of_row(rows_[order_[i]]));
+      node.box.extend(rows_[order_[i]].x);
+      node.all.add(of_row(rows_[order_[i]]));
     }
-    const std::size_t number = parts_.size();
-    parts_.push_back(part);
+    const std::size_t number = nodes_.size();
+    nodes_.push_back(node);
     if (end - begin <= few_rows) return;
     Eigen::Index axis = 0;
-    part.box.sizes().maxCoeff(&axis);
+    node.box.sizes().maxCoeff(&axis);
     const std::size_t middle = begin + (end - begin) / 2;
     const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
     std::nth_element(at(begin), at(middle), at(end), [&](int a, int b) { return rows_[a].x[axis] < rows_[b].x[axis]; });
     build(begin, middle);
-    parts_[number].second = parts_.size();
+    nodes_[number].second = nodes_.size();
     build(middle, end);
   }
 
   void collect(std::size_t number, const Vec3& x, double reach_squared, Around& around) const {
-    const Part& part = parts_[number];
-    if (part.box.squaredExteriorDistance(x) > reach_squared) return;
-    const Vec3 farthest = (x - part.box.min()).cwiseAbs().cwiseMax((x - part.box.max()).cwiseAbs());
-    if (farthest.squaredNorm() <= reach_squared) return around.add(part.all);
-    if (part.second > 0) {
+    const Node& node = nodes_[number];
+    if (node.box.squaredExteriorDistance(x) > reach_squared) return;
+    const Vec3 farthest = (x - node.box.min()).cwiseAbs().cwiseMax((x - node.box.max()).cwiseAbs());
+    if (farthest.squaredNorm() <= reach_squared) return around.add(node.all);
+    if (node.second > 0) {
       collect(number + 1, x, reach_squared, around);
-      return collect(part.second, x, reach_squared, around);
+      return collect(node.second, x, reach_squared, around);
     }
-    for (std::size_t i = part.begin; i < part.end; ++i)
+    for (std::size_t i = node.begin; i < node.end; ++i)
       if ((rows_[order_[i]].x - x).squaredNorm() <= reach_squared) around.add(of_row(rows_[order_[i]]));
   }
 
   const std::vector<ContactRow>& rows_;
   std::vector<int> order_;
-  std::vector<Part> parts_;
+  std::vector<Node> nodes_;
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ constexpr int num_samples = 401;
 constexpr double below_face = 1e-3;
 /// Steps of the first walk to the ends of a path, in cells, and their number at most.
 constexpr double walk_step = 0.25;
-constexpr int most_steps = 4000;
+constexpr int max_steps = 4000;
 /// Distance from the last pressure to the end of a path: fraction of its length, and cells.
 constexpr double beyond = 0.3, beyond_cells = 2;
 /// Fraction of the largest pressure of the pair.
@@ -98,7 +98,7 @@ struct Extent {
 Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec3& along, double h) {
   double last_pressed = 0;
   Extent extent;
-  walk(project, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
+  walk(project, top, along, walk_step * h, max_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > hardly_any_pressure * top.pressure_sprc) last_pressed = way;
@@ -107,14 +107,14 @@ Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec
   return extent;
 }
 
-struct Place {
+struct PathPoint {
   double s;
   Vec3 x;
 };
 
 /// From one end to the other, s = 0 at the largest pressure.
-std::vector<Place> places_of(const SolvedState& state, const Results& results, const FaceProjection& project,
-                             const ContactRow& top) {
+std::vector<PathPoint> path_points(const SolvedState& state, const Results& results, const FaceProjection& project,
+                                   const ContactRow& top) {
   const Vec3 along = direction_of(results, top);
   const double h = state.bodies[top.body].cut_cells.h(top.cell);
   const Extent whole = extent_of(project, top, along, h);
@@ -122,18 +122,18 @@ std::vector<Place> places_of(const SolvedState& state, const Results& results, c
   const double back = whole.closed ? ahead : extent_of(project, top, -along, h).length;
   if (!(back + ahead > 0)) return {};
   const double step = (back + ahead) / (num_samples - 1);
-  std::vector<Place> places;
+  std::vector<PathPoint> points;
   const auto add = [&](double sign, double length) {
     walk(project, top, sign * along, step, static_cast<int>(length / step), [&](const ContactRow& row, double way) {
-      places.push_back({sign * way, row.x});
+      points.push_back({sign * way, row.x});
       return true;
     });
   };
   add(-1, back);
-  std::reverse(places.begin(), places.end());
-  places.push_back({0, top.x});
+  std::reverse(points.begin(), points.end());
+  points.push_back({0, top.x});
   add(1, ahead);
-  return places;
+  return points;
 }
 
 class Sampler {
@@ -142,20 +142,20 @@ class Sampler {
       : state_(state), project_(project), results_(results), reference_(state.scene, state.reference) {}
 
   /// Both bodies of a pair, or of any for pair = -1.
-  void add(const std::vector<Place>& places, int pair) {
+  void add(const std::vector<PathPoint>& points, int pair) {
     const bool by_coordinate = !state_.reference.pressure_file.empty();
     for (int b = 0; b < static_cast<int>(state_.bodies.size()); ++b) {
       if (pair >= 0 && state_.pairs[pair].primary != b && state_.pairs[pair].secondary != b) continue;
-      std::vector<std::optional<ContactRow>> rows(places.size());
-      parallel_for("cgcontact::pressure_paths::points", places.size(), 8,
-                   [&](std::size_t i) { rows[i] = project_(b, pair, places[i].x); });
-      for (std::size_t i = 0; i < places.size(); ++i) {
+      std::vector<std::optional<ContactRow>> rows(points.size());
+      parallel_for("cgcontact::pressure_paths::points", points.size(), 8,
+                   [&](std::size_t i) { rows[i] = project_(b, pair, points[i].x); });
+      for (std::size_t i = 0; i < points.size(); ++i) {
         if (!rows[i]) continue;
         PathSample sample;
         sample.body = b;
         sample.pair = std::max(pair, 0);
         sample.x = rows[i]->x;
-        sample.s = by_coordinate ? reference_.coordinate(sample.x) : places[i].s;
+        sample.s = by_coordinate ? reference_.coordinate(sample.x) : points[i].s;
         sample.pressure_raw = rows[i]->pressure_raw;
         sample.pressure_spr = rows[i]->pressure_spr;
         sample.pressure_sprc = rows[i]->pressure_sprc;
@@ -217,18 +217,18 @@ void fill_paths(const SolvedState& state, Results& results) {
   Sampler sampler(state, project, results);
   if (state.scene.output.path) {
     const auto& [from, to] = *state.scene.output.path;
-    std::vector<Place> places;
+    std::vector<PathPoint> points;
     for (int i = 0; i < num_samples; ++i) {
       const double t = (i + 0.5) / num_samples;
-      places.push_back({t * (to - from).norm(), (1 - t) * from + t * to});
+      points.push_back({t * (to - from).norm(), (1 - t) * from + t * to});
     }
-    sampler.add(places, -1);
+    sampler.add(points, -1);
     return;
   }
   results.path_from_largest = true;
   for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair)
     if (const ContactRow* const top = largest_row(results, pair))
-      sampler.add(places_of(state, results, project, *top), pair);
+      sampler.add(path_points(state, results, project, *top), pair);
 }
 
 }  // namespace cgcontact

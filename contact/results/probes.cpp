@@ -23,9 +23,9 @@ class Prober {
   /// Values in one body; none if it does not hold the point.
   std::optional<ProbeSample> sample(int body, int point) const {
     const Vec3& x = probe_.points[point];
-    const std::optional<CellPoint> place = place_in(state_.bodies[body], x);
-    if (!place) return std::nullopt;
-    ProbeSample sample = at(body, *place, x);
+    const std::optional<CellPoint> cell_point = find_cell_point(state_.bodies[body], x);
+    if (!cell_point) return std::nullopt;
+    ProbeSample sample = at(body, *cell_point, x);
     sample.point = point;
     sample.way = probe_.way[point];
     if (asks_pressure()) set_pressure(contact_pressure(body, x), sample);
@@ -36,7 +36,7 @@ class Prober {
   ProbeSample on_boundary(int body, int boundary_point) const {
     const BodyModel& model = state_.bodies[body];
     const Vec3 x = model.point(boundary_point);
-    ProbeSample sample = at(body, place_of_boundary_point(model, boundary_point), x);
+    ProbeSample sample = at(body, cell_point_of(model, boundary_point), x);
     sample.weight = model.slices * model.area(boundary_point);
     if (asks_pressure()) set_pressure(contact_pressure(body, x), sample);
     return sample;
@@ -47,9 +47,9 @@ class Prober {
     return std::find(probe_.fields.begin(), probe_.fields.end(), ScalarField::pressure) != probe_.fields.end();
   }
 
-  ProbeSample at(int body, const CellPoint& place, const Vec3& x) const {
-    const Vec3 u = displacement(state_, body, place.cell, place.xi);
-    const Sym3 stress = recovered_stress(state_, state_.sprc[body], body, place.cell, place.xi);
+  ProbeSample at(int body, const CellPoint& cell_point, const Vec3& x) const {
+    const Vec3 u = displacement(state_, body, cell_point.cell, cell_point.xi);
+    const Sym3 stress = recovered_stress(state_, state_.sprc[body], body, cell_point.cell, cell_point.xi);
     ProbeSample sample;
     sample.body = body;
     sample.x = x;
@@ -107,7 +107,7 @@ ProbeFigures figures_of(const SolvedState& state, const FaceProjection& project,
 
 }  // namespace
 
-std::optional<CellPoint> place_in(const BodyModel& body, const Vec3& x) {
+std::optional<CellPoint> find_cell_point(const BodyModel& body, const Vec3& x) {
   if (!body.spec->holds(x)) return std::nullopt;
   const Vec3 position = body.cut_cells.grid.to_grid(x);
   const int cell = body.cut_cells.locate(position);
@@ -115,7 +115,7 @@ std::optional<CellPoint> place_in(const BodyModel& body, const Vec3& x) {
   return CellPoint{cell, cell_coordinates(body.cut_cells, cell, position)};
 }
 
-CellPoint place_of_boundary_point(const BodyModel& body, int point) {
+CellPoint cell_point_of(const BodyModel& body, int point) {
   const BoundaryPoints& boundary = body.cut_cells.boundary;
   const int cell = boundary.cell[point];
   return {cell, cell_coordinates(body.cut_cells, cell, boundary.position[point])};

@@ -14,9 +14,9 @@ struct CellPoint {
   Vec3 xi;
 };
 /// Finds the cell that holds x (m); none where the body does not hold it.
-std::optional<CellPoint> place_in(const BodyModel& body, const Vec3& x);
+std::optional<CellPoint> find_cell_point(const BodyModel& body, const Vec3& x);
 /// Finds the cell coordinates of a boundary point.
-CellPoint place_of_boundary_point(const BodyModel& body, int point);
+CellPoint cell_point_of(const BodyModel& body, int point);
 
 /// Appends the figures of all probes of the scene; needs the contact rows. Warns of points in no body.
 void fill_probes(const SolvedState& state, Results& results);

@@ -39,7 +39,7 @@ ReferenceTable::ReferenceTable(const std::string& file, int min_columns) {
   std::ifstream in(file);
   if (!in) throw InputError(fmt::format("{}: cannot be read (reference table)", file));
   const auto fail = [&](int line, const std::string& value, const std::string& problem, const std::string& allowed) {
-    throw InputError(SourcePlace{file, line, ""}, value, problem + " (reference table)", allowed);
+    throw InputError(SourceLocation{file, line, ""}, value, problem + " (reference table)", allowed);
   };
   std::string line;
   bool names_allowed = true;  // in the first line that is no comment

@@ -33,8 +33,8 @@ RigidFigures figures_of(const SolvedState& state, int b, const Results& results)
                      .first /
                  size;
   figures.centre = c;
-  figures.displacement = state.outer.rigid_parts[b].at(c);
-  figures.rotation = state.outer.rigid_parts[b].rotation;
+  figures.displacement = state.outer.body_motions[b].at(c);
+  figures.rotation = state.outer.body_motions[b].rotation;
   leave_out_rounding(longest_extent(body), figures);
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();
   each_force(body, [&](int, const Vec3&, const Vec3& x, const Vec3& force) { loads += (x - c).cross(force); });

@@ -17,10 +17,10 @@ namespace {
 struct Largest {
   double value = 0;
   Vec3 x = Vec3::Zero();
-  void add(double other, const Vec3& place) {
+  void add(double other, const Vec3& position) {
     if (other <= value) return;
     value = other;
-    x = place;
+    x = position;
   }
 };
 
@@ -29,7 +29,7 @@ struct StrainExtremes {
 };
 
 /// At the centroid of every cell; of several ranks each computes some of them.
-StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
+StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const BodyMotion& body_motion,
                              double length_scale) {
   const std::size_t cells = cc.cells.size();
   std::vector<StrainExtremes> found(num_chunks(cells, grain_of_light));
@@ -45,12 +45,12 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
           corner_values(mesh.cell_nodes[e], u, corner);
           for (auto& v : corner)
             for (double& component : v) component *= length_scale;
-          const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * rigid_part.at(x));
+          const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * body_motion.at(x));
           interpolate_gradient(corner, xi.data(), g);
           add_ring_strain(mesh.ring_of(static_cast<int>(e)), corner, xi.data(), g);
           const Mat3 gradient =  // m per m, grid axes
               Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&g[0][0]) / cc.h(static_cast<int>(e)) +
-              cc.grid.rotation.transpose() * rigid_part.expansion * cc.grid.rotation;
+              cc.grid.rotation.transpose() * body_motion.expansion * cc.grid.rotation;
           const Mat3 strain = 0.5 * (gradient + gradient.transpose());
           // The Frobenius norm bounds the principal strains; it is found without them.
           if (strain.norm() > found[chunk].strain.value)
@@ -60,15 +60,15 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
       });
   put_together(found.data(), found.size(), sizeof(StrainExtremes));
   StrainExtremes all;
-  for (const StrainExtremes& part : found) {
-    all.strain.add(part.strain.value, part.strain.x);
-    all.displacement.add(part.displacement.value, part.displacement.x);
+  for (const StrainExtremes& of_chunk : found) {
+    all.strain.add(of_chunk.strain.value, of_chunk.strain.x);
+    all.displacement.add(of_chunk.displacement.value, of_chunk.displacement.x);
   }
   return all;
 }
 
 StrainExtremes extremes_of(const SolvedState& state, std::size_t b) {
-  return find_extremes(state.bodies[b].cut_cells, state.system.meshes[b], state.outer.u, state.outer.rigid_parts[b],
+  return find_extremes(state.bodies[b].cut_cells, state.system.meshes[b], state.outer.u, state.outer.body_motions[b],
                        state.scales.length);
 }
 
@@ -94,8 +94,8 @@ std::vector<std::string> small_strain_warnings(const SolvedState& state, const R
     const double size = size_of(spec), modulus = spec.material.youngs_modulus;
     const ResultOptions& limits = state.scene.results;
     std::string text;
-    const auto add = [&](bool too_large, const std::string& part) {
-      if (too_large) text += (text.empty() ? "" : ", ") + part;
+    const auto add = [&](bool too_large, const std::string& phrase) {
+      if (too_large) text += (text.empty() ? "" : ", ") + phrase;
     };
     add(extremes.strain.value > limits.largest_strain,
         fmt::format("strain {:.2g} %{}", 100 * extremes.strain.value, at(extremes.strain.x)));

@@ -62,7 +62,7 @@ std::vector<SpringShare> spring_shares(const SolvedState& state, const Results& 
   return shares;
 }
 
-void tell_spring_shares(const SolvedState& state, Results& results) {
+void report_spring_shares(const SolvedState& state, Results& results) {
   if (results.verdict.state == Verdict::State::not_converged) return;
   std::vector<SpringShare> shares = spring_shares(state, results);
   std::stable_sort(shares.begin(), shares.end(),

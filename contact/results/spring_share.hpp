@@ -23,6 +23,6 @@ std::vector<SpringShare> spring_shares(const SolvedState& state, const Results& 
 
 /// Writes the largest share to the verdict, unless the run did not converge, and others as warnings. From
 /// ResultOptions::largest_hold on the verdict cannot be good.
-void tell_spring_shares(const SolvedState& state, Results& results);
+void report_spring_shares(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

@@ -27,9 +27,9 @@ struct Judged {
   const MissedOverlap* missed = nullptr;
   const PressureJump* jump = nullptr;
   const UnclearGap* unclear = nullptr;
-  double held_part = 0;  // of its force, taken by what holds the bodies
-  int thin_body = -1;    // thinner than its cells where it touches, or -1
-  double thickness = 0;  // of that body, its cells
+  double held_fraction = 0;  // of its force, taken by what holds the bodies
+  int thin_body = -1;        // thinner than its cells where it touches, or -1
+  double thickness = 0;      // of that body, its cells
 };
 
 /// Judges whether one of the bodies is thinner than its cells where they touch.
@@ -38,7 +38,7 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
     if (state.bodies[body].spec->rigid()) continue;
     const auto [thickness, cell] = thickness_at_contact(state, pair, body);
     const double needed = cell * thickness / state.scene.results.wanted_thickness;
-    if (thickness >= state.scene.results.least_thickness) continue;
+    if (thickness >= state.scene.results.min_thickness) continue;
     j.thin_body = body;
     j.thickness = thickness;
     j.pair.cell_size_needed = std::min(needed, j.pair.cell_size_needed.value_or(needed));
@@ -63,10 +63,10 @@ ZoneWidth width_between_points(const ContactPair& pair) {
 
 /// Cells across a zone from which on its figures are reliable: fewer where problems on the faces give all of its
 /// pressure (docs/accuracy.md, "The pressure on the face").
-double least_cells_across(const SolvedState& state, int pair) {
+double min_cells_across(const SolvedState& state, int pair) {
   const ResultOptions& options = state.scene.results;
   const bool on_face = state.faces.has_zone(pair) && state.faces.left_out[pair] == 0;
-  return on_face ? options.least_cells_on_face : options.least_cells_across;
+  return on_face ? options.min_cells_on_face : options.min_cells_across;
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
@@ -85,14 +85,14 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       j.pair.state = State::resolved;
     } else if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
-      j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across(state, static_cast<int>(p))
+      j.pair.state = widths[p].cells && *widths[p].cells < min_cells_across(state, static_cast<int>(p))
                          ? State::not_resolved
                          : State::resolved;
       if (j.pair.state == State::not_resolved)
         j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / state.scene.results.wanted_cells_across;
       judge_thickness(state, state.pairs[p], j);
-      if (j.force > 0) j.held_part = held_part(state, state.pairs[p]);
-      if (j.held_part > state.scene.results.largest_hold) j.pair.state = State::not_resolved;
+      if (j.force > 0) j.held_fraction = held_fraction(state, state.pairs[p]);
+      if (j.held_fraction > state.scene.results.largest_hold) j.pair.state = State::not_resolved;
     }
     for (const UnclearGap& gap : unclear) {
       if (gap.pair != static_cast<int>(p)) continue;
@@ -138,11 +138,11 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
   if (j.unclear)
     return fmt::format("{}: cells of {:.2g} m or less are needed", unclear_text(j.pair.name, *j.unclear),
                        *j.pair.cell_size_needed);
-  if (j.held_part > state.scene.results.largest_hold)
+  if (j.held_fraction > state.scene.results.largest_hold)
     return fmt::format(
         "contact \"{}\": what holds its bodies in motions that nothing else resists takes {:.2g} % of its force, which "
         "is wrong by about as much; smaller cells at the contact, or supports that hold the bodies, are needed",
-        j.pair.name, 100 * j.held_part);
+        j.pair.name, 100 * j.held_fraction);
   if (j.thin_body >= 0)
     return fmt::format(
         "body \"{}\" is {:.2g} cells thick at the contact \"{}\": bending, and with it forces and pressures, is not "
@@ -161,12 +161,12 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
       j.pair.name, *j.pair.cells_across, *j.pair.cell_size_needed);
 }
 
-std::string resolved_text(const Results& results, const std::vector<Judged>& pairs, double least_force) {
+std::string resolved_text(const Results& results, const std::vector<Judged>& pairs, double min_force) {
   if (std::all_of(results.pairs.begin(), results.pairs.end(), [](const PairFigures& pair) { return pair.bonded; }))
     return "all contact is bonded: no zone to resolve";
   const Judged* narrowest = nullptr;
   for (const Judged& j : pairs)
-    if (j.force >= least_force && j.pair.cells_across &&
+    if (j.force >= min_force && j.pair.cells_across &&
         (!narrowest || *j.pair.cells_across < *narrowest->pair.cells_across))
       narrowest = &j;
   if (!narrowest) return "the contact is resolved";
@@ -205,15 +205,15 @@ Verdict judge(const SolvedState& state, const Results& results) {
   std::vector<Judged> pairs = judge_pairs(state, results, missed, unclear, jumps);
   const double largest = largest_pressing_force(results);
   for (Judged& j : pairs) {
-    if (j.unclear && j.force < relevant_part_of_force * largest) {  // next to nothing, if they do
+    if (j.unclear && j.force < relevant_force_fraction * largest) {  // next to nothing, if they do
       j.pair.state = State::no_contact;
       j.pair.cell_size_needed.reset();
     }
     verdict.pairs.push_back(j.pair);
   }
-  const auto find = [&](State wanted, double least_force) {
+  const auto find = [&](State wanted, double min_force) {
     return std::find_if(pairs.begin(), pairs.end(),
-                        [&](const Judged& j) { return j.pair.state == wanted && j.force >= least_force; });
+                        [&](const Judged& j) { return j.pair.state == wanted && j.force >= min_force; });
   };
   const auto end = pairs.end();
   if (!state.outer.converged) {
@@ -222,12 +222,12 @@ Verdict judge(const SolvedState& state, const Results& results) {
   } else if (const auto lost = find(State::contact_missed, 0); lost != end) {
     verdict.state = State::contact_missed;
     verdict.text = missed_text(*lost);
-  } else if (const auto coarse = find(State::not_resolved, relevant_part_of_force * largest); coarse != end) {
+  } else if (const auto coarse = find(State::not_resolved, relevant_force_fraction * largest); coarse != end) {
     verdict.state = State::not_resolved;
     verdict.text = unresolved_text(state, *coarse);
   } else if (find(State::resolved, 0) != end) {
     verdict.state = State::resolved;
-    verdict.text = resolved_text(results, pairs, relevant_part_of_force * largest);
+    verdict.text = resolved_text(results, pairs, relevant_force_fraction * largest);
   } else {
     verdict.state = State::no_contact;
     verdict.text = pairs.empty() ? "the scene has no contact pair" : "nothing touches: no contact carries a force";
@@ -251,7 +251,7 @@ void judge_errors(const SolvedState& state, Results& results) {
     pair.cell_size_needed = cell[p] / 2;
     std::optional<double>& of_force = results.pairs[p].force_error_estimate;
     if (of_force && *of_force > 0) of_force.reset();
-    if (verdict.state != State::resolved || pressing_force(results.pairs[p]) < relevant_part_of_force * largest)
+    if (verdict.state != State::resolved || pressing_force(results.pairs[p]) < relevant_force_fraction * largest)
       continue;
     verdict.state = State::not_resolved;
     verdict.text = fmt::format(

@@ -7,7 +7,7 @@
 namespace cgcontact {
 
 /// A pair that carries less of the largest force of all pairs does not decide about the run.
-constexpr double relevant_part_of_force = 0.01;
+constexpr double relevant_force_fraction = 0.01;
 
 /// Returns N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double pressing_force(const PairFigures& figures);

@@ -23,9 +23,9 @@ constexpr double of_ellipse = 4 * pi, of_rectangle = 12, near_shape = 0.25;
 /// Cosine between planes of symmetry that are across each other; of curvatures, the larger one: no curvature.
 constexpr double across = 1e-6, no_curvature = 1e-6;
 /// Fraction of a body's size that is rounding; cells by which a face may miss its mirror image.
-constexpr double same_place = 1e-6, same_face = 0.01;
+constexpr double same_position = 1e-6, same_face = 0.01;
 /// Half the width of the zone over the smallest radius of curvature up to which Hertz's half-spaces stand for bodies.
-constexpr double largest_width = 0.5;
+constexpr double max_width = 0.5;
 
 /// Turns a direction to z.
 Mat3 rotation_to(const Vec3& direction) { return rotation_between(direction, Vec3::UnitZ()); }
@@ -42,19 +42,19 @@ class Zone {
   }
 
   /// Counts the equal sectors of the whole zone, those behind planes of symmetry included.
-  int parts() const { return askew_ ? 1 : 1 << planes_.size(); }
+  int num_sectors() const { return askew_ ? 1 : 1 << planes_.size(); }
 
-  ZonePlace place() const {
-    ZonePlace place;
-    if (!askew_) place.planes = planes_;
-    if (normal_.norm() > 0) place.normal = normal_;
-    return place;
+  ZoneFrame frame() const {
+    ZoneFrame found;
+    if (!askew_) found.planes = planes_;
+    if (normal_.norm() > 0) found.normal = normal_;
+    return found;
   }
 
   std::optional<ZoneExtent> extent() const {
     if (!flat_) return std::nullopt;
     ZoneExtent extent;
-    const double shape = parts() * figures_.area / std::sqrt(moment_[0] * moment_[1]);
+    const double shape = num_sectors() * figures_.area / std::sqrt(moment_[0] * moment_[1]);
     if (std::abs(shape - of_ellipse) < near_shape) extent.shape = ZoneExtent::Shape::round;
     if (std::abs(shape - of_rectangle) < near_shape) extent.shape = ZoneExtent::Shape::rectangular;
     const double factor = extent.shape == ZoneExtent::Shape::rectangular ? 3 : 4;
@@ -67,23 +67,23 @@ class Zone {
     if (!flat_) return std::nullopt;
     if (body_of_revolution() && extent()->shape != ZoneExtent::Shape::round) return std::nullopt;  // a ring
     Mat3 curvature = Mat3::Zero();
-    double least_radius = std::numeric_limits<double>::infinity();
+    double min_radius = std::numeric_limits<double>::infinity();
     for (const int body : {pair_.primary, pair_.secondary}) {
       const auto surface = surface_of(body);
       if (!surface) return std::nullopt;
       curvature += curvature_of(*surface, body);
       if (surface->radius > 0)
-        least_radius = std::min(least_radius, surface->radius * state_.bodies[body].cut_cells.grid.cell_size);
+        min_radius = std::min(min_radius, surface->radius * state_.bodies[body].cut_cells.grid.cell_size);
     }
     Eigen::Matrix<double, 3, 2> tangents;
     tangents << direction_[0], direction_[1];
     const SymmetricEigen<2> solver(tangents.transpose() * curvature * tangents);
     const double least = solver.eigenvalues()[0], most = solver.eigenvalues()[1];
-    if (!(most * least_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
+    if (!(most * min_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
     const double modulus =
         effective_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
     HertzFigures hertz;
-    const double whole = parts() * force;
+    const double whole = num_sectors() * force;
     if (least > no_curvature * most) {
       hertz = hertz_point(whole, least, most, modulus);
     } else {
@@ -91,7 +91,7 @@ class Zone {
       const double length = std::sqrt(12 * along.dot(moments_ * along));  // of a rectangle
       hertz = hertz_line(whole / length, most, modulus);
     }
-    if (std::max(hertz.b, hertz.a.value_or(0)) > largest_width * least_radius) return std::nullopt;
+    if (std::max(hertz.b, hertz.a.value_or(0)) > max_width * min_radius) return std::nullopt;
     return hertz;
   }
 
@@ -116,7 +116,7 @@ class Zone {
     const double size = longest_extent(rigid);
     Vec3 low, high;
     rigid.spec->solid.transformed(rotation_to(plane.normal), Vec3::Zero()).bounding_box(low, high);
-    if (high[2] - plane.normal.dot(plane.point) <= same_place * size) return true;
+    if (high[2] - plane.normal.dot(plane.point) <= same_position * size) return true;
     return std::all_of(rows_.begin(), rows_.end(), [&](const ContactRow* row) {
       if (&state_.bodies[row->body] != &rigid) return true;
       const Vec3 x = plane.image(row->x), aside = same_face * row->larger_cell * plane.turned(row->normal);
@@ -255,8 +255,8 @@ MomentAbout moment_about(const MomentSpec& spec, const PairFigures& pair) {
   return moment;
 }
 
-Vec3 mean_normal(const ContactPair& pair, std::size_t piece) {
-  const ContactGroup& group = pair.groups[piece];
+Vec3 mean_normal(const ContactPair& pair, std::size_t number) {
+  const ContactGroup& group = pair.groups[number];
   Vec3 normal = Vec3::Zero();
   for (int q = group.first_point; q < group.last_point; ++q)
     normal += pair.points.weight(q) / group.area * pair.points.normal(q);
@@ -265,8 +265,8 @@ Vec3 mean_normal(const ContactPair& pair, std::size_t piece) {
 
 }  // namespace
 
-ZonePlace place_of_zone(const SolvedState& state, const Results& results, int pair) {
-  return Zone(state, results, pair).place();
+ZoneFrame frame_of_zone(const SolvedState& state, const Results& results, int pair) {
+  return Zone(state, results, pair).frame();
 }
 
 void fill_zone_figures(const SolvedState& state, Results& results) {
@@ -281,14 +281,14 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
     if (!(figures.area > 0)) continue;
     if (pair.bonded()) {
       double force = 0;
-      for (std::size_t piece = 0; piece < pair.num_pieces(); ++piece)
-        force += force_of_piece(pair, &state.outer.group_force[first], piece).dot(mean_normal(pair, piece));
+      for (std::size_t g = 0; g < pair.num_surface_groups(); ++g)
+        force += force_of_surface_group(pair, &state.outer.group_force[first], g).dot(mean_normal(pair, g));
       figures.zone.normal_force = force * state.bodies[pair.primary].slices * unit;
     }
     figures.zone.mean_pressure = figures.zone.normal_force / figures.area;
     if (pair.bonded()) continue;
     const Zone zone(state, results, static_cast<int>(k));
-    figures.zone.parts = zone.parts();
+    figures.zone.sectors = zone.num_sectors();
     figures.zone.extent = zone.extent();
     figures.zone.hertz = zone.hertz(figures.zone.normal_force);
   }

@@ -10,12 +10,12 @@ namespace cgcontact {
 /// Sets PairFigures::zone of all pairs. Needs their other figures, scaled to the thickness of the bodies.
 void fill_zone_figures(const SolvedState& state, Results& results);
 
-/// Position and symmetries of the zone of a pair.
-struct ZonePlace {
+/// Symmetry planes and mean normal of the zone of a pair.
+struct ZoneFrame {
   std::vector<SymmetryPlane> planes;  ///< behind which it goes on; none where they are neither parallel nor across
   std::optional<Vec3> normal;         ///< mean, outward of the primary body, where the zone is nearly flat
 };
-/// Finds the zone. Needs contact rows and PairFigures::max_pressure.
-ZonePlace place_of_zone(const SolvedState& state, const Results& results, int pair);
+/// Finds both. Needs contact rows and PairFigures::max_pressure.
+ZoneFrame frame_of_zone(const SolvedState& state, const Results& results, int pair);
 
 }  // namespace cgcontact

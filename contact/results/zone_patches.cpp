@@ -20,12 +20,12 @@ constexpr int samples_per_cell = 48, min_samples = 4;
 constexpr int patches_along = 2;
 /// A whole zone has fewer patches per cell when it has more patches than that, some 100 across: more gain nothing
 /// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
-constexpr double most_patches = 8192;
+constexpr double max_patches = 8192;
 constexpr int min_per_cell = 5;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
 constexpr double too_many_patches = 262144;
 /// The same of rings, whose compliance is a dense matrix.
-constexpr double most_rings = 1024, too_many_rings = 2048;
+constexpr double max_rings = 1024, too_many_rings = 2048;
 
 /// Rounds up to what solve_face_zone can halve.
 int even(double count) {
@@ -72,7 +72,7 @@ std::optional<ZonePatches> ZonePatches::make(const SolvedState& state, const Pai
   if (!patches.chart_ || !patches.lay_grid()) return std::nullopt;
   patches.lay_meridian();
   patches.assign_points();
-  patches.place_patches();
+  patches.project_patches();
   return patches;
 }
 
@@ -109,9 +109,9 @@ double ZonePatches::zone_area() const {
 bool ZonePatches::lay_grid() {
   grid_.plane_strain = across_ >= 0;
   grid_.end = chart_->ends();
-  FacePlace low = FacePlace::Constant(1e300), high = FacePlace::Constant(-1e300);
+  FacePosition low = FacePosition::Constant(1e300), high = FacePosition::Constant(-1e300);
   for (const int q : near_) {
-    const FacePlace x = chart_->place(pair_.points.x(q));
+    const FacePosition x = chart_->coordinates(pair_.points.x(q));
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
@@ -139,7 +139,7 @@ bool ZonePatches::lay_grid() {
     for (const FaceEnd end : grid_.end) patches *= end == FaceEnd::mirror ? 2 : 1;
     const bool rings = state_.bodies[pair_.primary].cut_cells.grid.is_axisymmetric();
     if (rings) patches = grid_.size[1];
-    if (patches <= (rings ? most_rings : most_patches) || per_cell < 2 * min_per_cell)
+    if (patches <= (rings ? max_rings : max_patches) || per_cell < 2 * min_per_cell)
       return patches <= (rings ? too_many_rings : too_many_patches);
   }
 }
@@ -163,15 +163,15 @@ void ZonePatches::lay_meridian() {
 void ZonePatches::assign_points() {
   points_.emplace(point_spacing * h_);
   for (const int q : near_) {
-    places_.push_back(flat(chart_->place(pair_.points.x(q))));
-    points_->add(places_.back(), static_cast<int>(places_.size() - 1));
+    coordinates_.push_back(flat(chart_->coordinates(pair_.points.x(q))));
+    points_->add(coordinates_.back(), static_cast<int>(coordinates_.size() - 1));
   }
   nearest_.assign(grid_.num_patches(), -1);
   parallel_for("cgcontact::zone_patches::nearest", nearest_.size(), 256, [&](std::size_t n) {
     const Vec3 x = flat(grid_.centre(static_cast<int>(n)));
     double least = point_spacing * h_;
     points_->each_near(x, [&](int k) {
-      const double distance = (places_[k] - x).norm();
+      const double distance = (coordinates_[k] - x).norm();
       if (distance < least) least = distance, nearest_[n] = near_[k];
     });
   });
@@ -182,7 +182,7 @@ std::vector<int> ZonePatches::groups_near(int patch) const {
   const Vec3 at = flat(grid_.centre(patch));
   std::vector<std::pair<double, int>> found;
   points_->each_near(at, [&](int k) {
-    const double distance = (places_[k] - at).norm();
+    const double distance = (coordinates_[k] - at).norm();
     const int g = pair_.points.group(near_[k]);
     const auto known = std::find_if(found.begin(), found.end(), [&](const auto& group) { return group.second == g; });
     if (known == found.end())
@@ -198,20 +198,20 @@ std::vector<int> ZonePatches::groups_near(int patch) const {
 
 /// Returns the shares of groups in a patch, by the cells that hold some points spread over it; of several the nearest,
 /// where none does the nearest as well.
-std::vector<std::pair<int, double>> ZonePatches::shares_of(int patch, const FacePlace& place, const Vec3& x,
+std::vector<std::pair<int, double>> ZonePatches::shares_of(int patch, const FacePosition& position, const Vec3& x,
                                                            const OppositePoint& opposite) const {
   std::vector<std::pair<int, double>> shares;
   const std::vector<int> groups = groups_near(patch);
   if (groups.empty()) return shares;
   const Grid& own = state_.bodies[pair_.primary].cut_cells.grid;
   const Grid& other = state_.bodies[pair_.secondary].cut_cells.grid;
-  const Vec3 middle = chart_->point(place), across = other.to_global(opposite.position);
+  const Vec3 middle = chart_->point(position), across = other.to_global(opposite.position);
   const int samples = std::max(min_samples, static_cast<int>(samples_per_cell * grid_.spacing[1] / h_)),
             rows = grid_.plane_strain ? 1 : samples;
   const auto group_at = [&](int i, int j) {
-    const FacePlace step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],
-                         ((j + 0.5) / samples - 0.5) * grid_.spacing[1]);
-    const Vec3 shift = chart_->point(place + step) - middle;
+    const FacePosition step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],
+                            ((j + 0.5) / samples - 0.5) * grid_.spacing[1]);
+    const Vec3 shift = chart_->point(position + step) - middle;
     const Vec3 primary = own.to_grid(x + shift), secondary = other.to_grid(across + shift);
     const auto holding =
         std::find_if(groups.begin(), groups.end(), [&](int g) { return cells_[g].holds(primary, secondary); });
@@ -235,7 +235,7 @@ std::vector<std::pair<int, double>> ZonePatches::shares_of(int patch, const Face
 }
 
 /// Puts every patch onto the primary face and looks across; those beyond the faces drop out.
-void ZonePatches::place_patches() {
+void ZonePatches::project_patches() {
   const BodyModel& body = state_.bodies[pair_.primary];
   const Grid& grid = body.cut_cells.grid;
   const Solid& solid = body.cut_cells.solid;
@@ -246,10 +246,10 @@ void ZonePatches::place_patches() {
   parallel_for("cgcontact::zone_patches::distances", nearest_.size(), 16, [&](std::size_t n) {
     if (nearest_[n] < 0) return;
     const int q = nearest_[n];
-    FacePlace place = grid_.centre(static_cast<int>(n));
+    FacePosition position = grid_.centre(static_cast<int>(n));
     const Vec3 near = pair_.points.x(q), near_normal = pair_.points.normal(q);
-    if (grid_.plane_strain) place[0] = chart_->place(near)[0];
-    Vec3 x = chart_->point(place);
+    if (grid_.plane_strain) position[0] = chart_->coordinates(near)[0];
+    Vec3 x = chart_->point(position);
     const Vec3 up = chart_->normal(x);
     // Onto the tangent plane of the nearest point, then onto the surface.
     x += near_normal.dot(near - x) / near_normal.dot(up) * up;
@@ -280,7 +280,7 @@ void ZonePatches::place_patches() {
     height_[0][n] = chart_->height(x);
     height_[1][n] = chart_->height(state_.bodies[pair_.secondary].cut_cells.grid.to_global(opposite->position));
     cosine_[n] = std::max(normal.dot(up), 0.0);
-    shares_[n] = shares_of(static_cast<int>(n), place, x, *opposite);
+    shares_[n] = shares_of(static_cast<int>(n), position, x, *opposite);
   });
 }
 

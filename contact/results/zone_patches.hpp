@@ -21,9 +21,9 @@ class ZonePatches {
   bool is_closed(int point) const { return face_.groups()[pair_.points.group(point)].closed(); }
   /// Return contact points of the zone and around, and their coordinates on the face.
   const std::vector<int>& points() const { return near_; }
-  const std::vector<Vec3>& places() const { return places_; }
+  const std::vector<Vec3>& coordinates() const { return coordinates_; }
   /// Coordinates as a point for searches.
-  Vec3 flat(FacePlace x) const { return {grid_.plane_strain ? 0.0 : x[0], x[1], 0}; }
+  Vec3 flat(FacePosition x) const { return {grid_.plane_strain ? 0.0 : x[0], x[1], 0}; }
 
   // By patch.
 
@@ -43,9 +43,9 @@ class ZonePatches {
   void lay_meridian();
   void assign_points();
   std::vector<int> groups_near(int patch) const;
-  std::vector<std::pair<int, double>> shares_of(int patch, const FacePlace& place, const Vec3& x,
+  std::vector<std::pair<int, double>> shares_of(int patch, const FacePosition& position, const Vec3& x,
                                                 const OppositePoint& opposite) const;
-  void place_patches();
+  void project_patches();
 
   /// Cell of a group, in its body's grid coordinates.
   struct Cell {
@@ -70,8 +70,8 @@ class ZonePatches {
   std::vector<Cell> cells_;  ///< of all groups
   std::optional<FaceChart> chart_;
   FaceGrid grid_;
-  std::optional<PointBuckets> points_;  ///< near_, by places_
-  std::vector<Vec3> places_;
+  std::optional<PointBuckets> points_;  ///< near_, by coordinates_
+  std::vector<Vec3> coordinates_;
   std::vector<int> nearest_;  ///< contact point nearest to each patch; -1: it is on neither face
   std::vector<std::vector<std::pair<int, double>>> shares_;
   std::vector<double> distance_, cosine_;

@@ -21,7 +21,7 @@ namespace {
 /// discrete pressure oscillates beside a peak) does not separate it.
 constexpr double connected = 2.3;
 /// Zones that carry less of the pair's force are its noise.
-constexpr double relevant_part = 0.05;
+constexpr double relevant_fraction = 0.05;
 /// One closed group says no more than that the zone is about a cell: counted zones are no narrower than that, cells.
 constexpr double narrowest = 0.5;
 /// Half the thickness of the slice through a zone in which the spread of the forces counts, cells.
@@ -77,12 +77,12 @@ class PairZones {
   }
 
   /// None: no open point bounds a zone that matters.
-  ZoneWidth least_width() const {
+  ZoneWidth min_width() const {
     double total = 0;
     ZoneWidth least;
     for (const auto& [name, zone] : zones_) total += zone.force;
     for (const auto& [name, zone] : zones_) {
-      if (!(zone.force > relevant_part * total)) continue;
+      if (!(zone.force > relevant_fraction * total)) continue;
       const ZoneWidth here = width(zone);
       if (here.cells && (!least.cells || *here.cells < *least.cells)) least = here;
     }
@@ -157,15 +157,15 @@ class PairZones {
   /// Under Hertz's line and round contacts the forces in a slice through the middle spread by a quarter of the width.
   double refined(const Zone& zone, const Middle& middle) const {
     const double h = middle.closed->cell_size, counted = 2 * middle.distance / h;
-    const Vec3 &place = middle.closed->position, &normal = middle.closed->normal;
-    Vec3 across = middle.open->position - place;
+    const Vec3 &position = middle.closed->position, &normal = middle.closed->normal;
+    Vec3 across = middle.open->position - position;
     across -= across.dot(normal) * normal;
     if (!(across.norm() > 0)) return counted;
     across.normalize();
     const Vec3 along = normal.cross(across);
     double force = 0, first = 0, second = 0;
     for (const TransmittedForce* f : zone.closed) {
-      const Vec3 d = (f->position - place) / h;
+      const Vec3 d = (f->position - position) / h;
       if (std::abs(along.dot(d)) > slice || std::abs(across.dot(d)) > counted + 1) continue;
       const double x = across.dot(d);
       force += f->spread_force;
@@ -199,7 +199,7 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
     const std::vector<TransmittedForce> closed = zone.closed_cells();
     for (const int p : pairs) {
-      const ZoneWidth least = PairZones(zone, closed, p).least_width();
+      const ZoneWidth least = PairZones(zone, closed, p).min_width();
       if (least.cells) widths[p] = {std::max(*least.cells, narrowest), least.cell};
     }
   }
@@ -209,7 +209,7 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
     for (std::size_t g = 0; g < state.pairs[p].groups.size(); ++g)
       total += std::abs(state.outer.group_force[group++]) * state.scales.stress * std::pow(state.scales.length, 2);
     const auto [width, cell, force] = state.outer.small_zone_width[p];
-    if (width > 0 && force > relevant_part * total && width / cell < widths[p].cells.value_or(1e300))
+    if (width > 0 && force > relevant_fraction * total && width / cell < widths[p].cells.value_or(1e300))
       widths[p] = {width / cell, cell};
   }
   return widths;

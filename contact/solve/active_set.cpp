@@ -42,7 +42,7 @@ void initialise_active_set(Iterate& iterate) {
 
 void close_pressing_points(Iterate& iterate) {
   const OuterProblem& problem = iterate.problem;
-  const double moved = iterate.rigid_parts.largest_displacement(problem.exec, iterate.u) * problem.scales.length;
+  const double moved = iterate.body_motions.largest_displacement(problem.exec, iterate.u) * problem.scales.length;
   iterate.close_pressing_points(no_force * moved);
 }
 
@@ -53,7 +53,7 @@ void update_active_set(Iterate& iterate, bool decide) {
   iterate.small_zones.update(iterate.group_gap_change(), force, decide);
 }
 
-std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& unbalanced) {
+std::vector<std::string> open_separating_pairs(Iterate& iterate, const FreeMotions& unbalanced) {
   const std::vector<char> open = iterate.floating.pairs_that_open(unbalanced);
   std::vector<std::string> names;
   for (std::size_t k = 0; k < open.size(); ++k) {
@@ -68,7 +68,7 @@ std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& un
 long long count_active(const std::vector<ContactPair>& pairs) {
   long long active = 0;
   for (const ContactPair& pair : pairs)
-    for (std::size_t q = 0; q < pair.num_places(); ++q) active += pair.points.active(q);
+    for (std::size_t q = 0; q < pair.num_surface_points(); ++q) active += pair.points.active(q);
   return active;
 }
 

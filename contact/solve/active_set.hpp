@@ -19,7 +19,7 @@ void close_pressing_points(Iterate& iterate);
 void update_active_set(Iterate& iterate, bool decide);
 
 /// Opens the pairs that separate as the loads move the bodies that contact does not balance; returns their names.
-std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& unbalanced);
+std::vector<std::string> open_separating_pairs(Iterate& iterate, const FreeMotions& unbalanced);
 
 long long count_active(const std::vector<ContactPair>& pairs);
 

@@ -37,10 +37,10 @@ std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& 
   return cells;
 }
 
-BoundaryStress::BoundaryStress(const BodyMesh& mesh, double least_volume, const std::vector<int>& cells)
+BoundaryStress::BoundaryStress(const BodyMesh& mesh, double min_volume, const std::vector<int>& cells)
     : mesh_(mesh),
       field_{nodes_of_cells(mesh, cells), {}},
-      patches_(make_patches(mesh, least_volume, field_.nodes)),
+      patches_(make_patches(mesh, min_volume, field_.nodes)),
       patch_cells_(cells_of_patches(mesh, patches_, field_.nodes)) {
   stress_ = CellStressView("cgcontact::boundary_stress::stress", patch_cells_.size());
   field_.values = CoefficientView("cgcontact::boundary_stress::coefficients", field_.nodes.size());

@@ -16,8 +16,8 @@ std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& 
 /// Recovered stress of one body in selected cells.
 class BoundaryStress {
  public:
-  /// `cells`: active cells in which the stress will be evaluated; least_volume: of the patches (make_patches).
-  BoundaryStress(const BodyMesh& mesh, double least_volume, const std::vector<int>& cells);
+  /// `cells`: active cells in which the stress will be evaluated; min_volume: of the patches (make_patches).
+  BoundaryStress(const BodyMesh& mesh, double min_volume, const std::vector<int>& cells);
 
   /// Recovers from the displacements (all bodies).
   void update(const RealView& u);

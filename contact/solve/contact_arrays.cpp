@@ -101,34 +101,34 @@ void take_values(const OuterProblem& problem, const SupportArrays<MemSpace>& sup
   });
 }
 
-DirectionArrays<MemSpace> support_places(const OuterProblem& problem) {
+DirectionArrays<MemSpace> support_directions(const OuterProblem& problem) {
   const std::vector<SupportPoint>& points = problem.supports;
-  const DirectionArrays<MemSpace> places(points.size());
-  fill_view(places.body, [&](const auto& host) {
+  const DirectionArrays<MemSpace> arrays(points.size());
+  fill_view(arrays.body, [&](const auto& host) {
     for (std::size_t s = 0; s < points.size(); ++s) host(s) = points[s].body;
   });
-  fill_view(places.x, [&](const auto& host) {
+  fill_view(arrays.x, [&](const auto& host) {
     for (std::size_t s = 0; s < points.size(); ++s)
       set_row(host, s, global_position(problem.bodies[points[s].body].cut_cells, points[s].cell, points[s].xi));
   });
-  fill_view(places.direction, [&](const auto& host) {
+  fill_view(arrays.direction, [&](const auto& host) {
     for (std::size_t s = 0; s < points.size(); ++s) set_row(host, s, points[s].direction);
   });
-  return places;
+  return arrays;
 }
 
-DirectionArrays<MemSpace> row_places(const OuterProblem& problem) {
+DirectionArrays<MemSpace> row_directions(const OuterProblem& problem) {
   const auto dofs = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), problem.system.groups.dof_list);
-  const DirectionArrays<MemSpace> places(dofs.extent(0));
+  const DirectionArrays<MemSpace> arrays(dofs.extent(0));
   const std::vector<BodyMesh>& meshes = problem.system.meshes;
   const auto body_of = [&](int node) {
     std::size_t b = 0;
     while (node >= meshes[b].first_node + meshes[b].num_nodes) ++b;
     return b;
   };
-  const auto body = Kokkos::create_mirror_view(places.body);
-  const auto x = Kokkos::create_mirror_view(places.x);
-  const auto direction = Kokkos::create_mirror_view(places.direction);
+  const auto body = Kokkos::create_mirror_view(arrays.body);
+  const auto x = Kokkos::create_mirror_view(arrays.x);
+  const auto direction = Kokkos::create_mirror_view(arrays.direction);
   for (std::size_t d = 0; d < dofs.extent(0); ++d) {
     const int node = node_of_dof(dofs(d));
     const std::size_t b = body_of(node);
@@ -137,26 +137,27 @@ DirectionArrays<MemSpace> row_places(const OuterProblem& problem) {
     set_row(x, d, grid.to_global(meshes[b].node_position(node - meshes[b].first_node)));
     set_row(direction, d, grid.rotation.col(component_of_dof(dofs(d))));
   }
-  Kokkos::deep_copy(places.body, body);
-  Kokkos::deep_copy(places.x, x);
-  Kokkos::deep_copy(places.direction, direction);
-  return places;
+  Kokkos::deep_copy(arrays.body, body);
+  Kokkos::deep_copy(arrays.x, x);
+  Kokkos::deep_copy(arrays.direction, direction);
+  return arrays;
 }
 
-IntView places_of_entries(const GroupRows& rows) {
+IntView indices_of_entries(const GroupRows& rows) {
   const auto dofs = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), rows.dof_list);
   const auto row_dof = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), rows.row_dof);
-  std::vector<int> places(row_dof.extent(0));
-  for (std::size_t e = 0; e < places.size(); ++e)
-    places[e] = static_cast<int>(std::lower_bound(dofs.data(), dofs.data() + dofs.extent(0), row_dof(e)) - dofs.data());
-  return copy_to_view<IntView>("cgcontact::contact::entry_place", places);
+  std::vector<int> indices(row_dof.extent(0));
+  for (std::size_t e = 0; e < indices.size(); ++e)
+    indices[e] =
+        static_cast<int>(std::lower_bound(dofs.data(), dofs.data() + dofs.extent(0), row_dof(e)) - dofs.data());
+  return copy_to_view<IntView>("cgcontact::contact::entry_place", indices);
 }
 
 TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem) {
-  std::vector<int> place(problem.system.num_nodes, -1), node;
+  std::vector<int> index(problem.system.num_nodes, -1), node;
   const auto touch = [&](int n) {
-    if (place[n] >= 0) return;
-    place[n] = static_cast<int>(node.size());
+    if (index[n] >= 0) return;
+    index[n] = static_cast<int>(node.size());
     node.push_back(n);
   };
   const auto each_support = [&](const auto& use) {
@@ -169,21 +170,21 @@ TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem) {
   for (const GroupRow& row : rows)
     for (const auto& [dof, value] : row.entries) touch(node_of_dof(dof));
   std::vector<int> support_begin(node.size() + 1, 0), group_begin(dofs_per_node * node.size() + 1, 0);
-  const auto dof_place = [&](int dof) { return dof_of(place[node_of_dof(dof)], component_of_dof(dof)); };
-  each_support([&](int, int n, int) { ++support_begin[place[n] + 1]; });
+  const auto dof_index = [&](int dof) { return dof_of(index[node_of_dof(dof)], component_of_dof(dof)); };
+  each_support([&](int, int n, int) { ++support_begin[index[n] + 1]; });
   for (const GroupRow& row : rows)
-    for (const auto& [dof, value] : row.entries) ++group_begin[dof_place(dof) + 1];
+    for (const auto& [dof, value] : row.entries) ++group_begin[dof_index(dof) + 1];
   std::partial_sum(support_begin.begin(), support_begin.end(), support_begin.begin());
   std::partial_sum(group_begin.begin(), group_begin.end(), group_begin.begin());
   std::vector<int> support_corner(support_begin.back()), group(group_begin.back());
   std::vector<double> coefficient(group.size());
   std::vector<int> next(support_begin);
-  each_support([&](int s, int n, int a) { support_corner[next[place[n]]++] = 8 * s + a; });
+  each_support([&](int s, int n, int a) { support_corner[next[index[n]]++] = 8 * s + a; });
   next = group_begin;
   for (std::size_t g = 0; g < rows.size(); ++g)
     for (const auto& [dof, value] : rows[g].entries) {
-      group[next[dof_place(dof)]] = static_cast<int>(g);
-      coefficient[next[dof_place(dof)]++] = value;
+      group[next[dof_index(dof)]] = static_cast<int>(g);
+      coefficient[next[dof_index(dof)]++] = value;
     }
   TouchedNodes<MemSpace> touched;
   touched.node = copy_to_view<IntView>("cgcontact::contact::touched", node);

@@ -20,11 +20,11 @@ SupportArrays<MemSpace> make_support_arrays(const OuterProblem& problem);
 void take_values(const OuterProblem& problem, const SupportArrays<MemSpace>& supports);
 
 /// Gathers where each support point is and what it holds.
-DirectionArrays<MemSpace> support_places(const OuterProblem& problem);
+DirectionArrays<MemSpace> support_directions(const OuterProblem& problem);
 /// Gathers node and axis of each degree of freedom in the rows of the groups (GroupRows::dof_list).
-DirectionArrays<MemSpace> row_places(const OuterProblem& problem);
+DirectionArrays<MemSpace> row_directions(const OuterProblem& problem);
 /// Finds the index of each entry of the rows in GroupRows::dof_list.
-IntView places_of_entries(const GroupRows& rows);
+IntView indices_of_entries(const GroupRows& rows);
 
 /// Returns the nodes that supports (but those that plane strain stands for) and rows of groups act on.
 TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem);

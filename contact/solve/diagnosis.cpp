@@ -48,7 +48,7 @@ std::string describe_loss_of_contact(const std::vector<ContactPair>& pairs) {
   return opened.empty() ? "the contact that is left closed does not hold the bodies" : describe_open(opened);
 }
 
-std::string describe_parting(const std::vector<std::string>& opened, std::size_t num_pairs) {
+std::string describe_separation(const std::vector<std::string>& opened, std::size_t num_pairs) {
   if (opened.empty()) return "the loads push a body out of its contact";
   return opened.size() == num_pairs ? all_open : describe_open(opened);
 }

@@ -17,7 +17,7 @@ constexpr const char* numbers_underflow =
 std::string describe_loss_of_contact(const std::vector<ContactPair>& pairs);
 
 /// Describes contacts that opened (names in `opened`, of `num_pairs` in all) as the loads moved the bodies.
-std::string describe_parting(const std::vector<std::string>& opened, std::size_t num_pairs);
+std::string describe_separation(const std::vector<std::string>& opened, std::size_t num_pairs);
 
 /// Describes the residual at which the iteration was cut off.
 std::string describe_residual(const SolverOptions& solver, const std::vector<double>& residuals);

@@ -15,10 +15,10 @@ namespace {
 constexpr double little_beyond = 1e-4, steady = 0.02;
 /// Largest other imbalance, relative to mu times that of the pressure, of a state that slides; more is a state still on
 /// its way.
-constexpr double most_else = 2;
+constexpr double max_other_residual = 2;
 /// Fraction of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together
 /// nowhere.
-constexpr double least_common = 0.1;
+constexpr double min_common = 0.1;
 
 template <class View>
 auto host_of(const View& view) {
@@ -175,12 +175,12 @@ void Friction::take_drifts(const ContactGroupArrays<MemSpace>& groups) const {
     }
     const int i = size[0] > 0 ? 0 : 1;
     for (const Vec3& normal : mirrors_[&pair - problem_.pairs.data()]) sum[i] -= normal * normal.dot(sum[i]);
-    const bool one_way = sum[i].norm() > least_common * size[i];
+    const bool one_way = sum[i].norm() > min_common * size[i];
     const Vec3 way = one_way ? Vec3(sum[i].normalized()) : Vec3::Zero();
     for (const ContactGroup& g : pair.groups) {
       for (int t = 0; t < 2; ++t) drift(f, t) = 0;
       for (int q = g.first_point; q < g.last_point; ++q) {
-        const double along = std::max(way.dot(pair.points.normal(q)), least_common);
+        const double along = std::max(way.dot(pair.points.normal(q)), min_common);
         const std::array<Vec3, 2> tangents = pair.tangents(q);
         for (int t = 0; t < pair.num_tangents; ++t)
           drift(f, t) -= pair.points.weight(q) / g.area * way.dot(tangents[t]) / along;
@@ -286,7 +286,7 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
     }
     if (sticks || !(carried > 0)) continue;
     asked_[k] = beyond / carried;
-    const bool is_all = residual_ < most_else * pair.friction() * asked_[k];  // of what is out of balance
+    const bool is_all = residual_ < max_other_residual * pair.friction() * asked_[k];  // of what is out of balance
     if (is_all && asked_[k] > little_beyond && std::abs(asked_[k] - before[k]) < steady * asked_[k])
       sliding_[k] = asked_[k];
   }

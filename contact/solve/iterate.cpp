@@ -24,17 +24,17 @@ std::vector<double> to_host(const RealView& values) {
 Iterate::Iterate(const OuterProblem& outer_problem)
     : problem(outer_problem),
       u("cgcontact::iterate::u", problem.system.num_dofs()),
-      rigid_parts(problem.system.meshes, problem.scales),
+      body_motions(problem.system.meshes, problem.scales),
       floating(problem.bodies, problem.supports, problem.pairs),
-      small_zones(problem.bodies, problem.pairs, floating.led_pairs(), problem.scene.solver),
+      small_zones(problem.bodies, problem.pairs, floating.displacement_driven_pairs(), problem.scene.solver),
       friction(problem),
       support_stress("cgcontact::iterate::support_stress", problem.supports.size()),
       rigid_gap_change("cgcontact::iterate::rigid_gap_change", problem.system.group_rows.size()),
       groups_(make_group_arrays(problem)),
       supports_(make_support_arrays(problem)),
-      support_places_(support_places(problem)),
-      row_places_(row_places(problem)),
-      entry_place_(places_of_entries(problem.system.groups)) {
+      support_directions_(support_directions(problem)),
+      row_directions_(row_directions(problem)),
+      entry_index_(indices_of_entries(problem.system.groups)) {
   contact_stress = PointValues("cgcontact::iterate::contact_stress", groups_.weight.extent(0));
   groups_.lagged = contact_stress.d_view;
   supports_.lagged = support_stress.d_view;
@@ -42,7 +42,7 @@ Iterate::Iterate(const OuterProblem& outer_problem)
 
 void Iterate::forget() {
   Kokkos::deep_copy(u, 0.0);
-  rigid_parts.forget();
+  body_motions.forget();
   Kokkos::deep_copy(rigid_gap_change, 0.0);
   small_zones.forget();
   friction.forget();
@@ -56,12 +56,12 @@ void Iterate::forget() {
 }
 
 /// Supports that have been added come last.
-void Iterate::take_over(const Iterate& other) {
+void Iterate::warm_start_from(const Iterate& other) {
   Kokkos::deep_copy(u, other.u);
-  rigid_parts.forget();
+  body_motions.forget();
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
-    const RigidPart& part = other.rigid_parts.of_bodies()[b];
-    rigid_parts.move(b, part.translation, part.rotation, part.centre);
+    const BodyMotion& motion = other.body_motions.of_bodies()[b];
+    body_motions.move(b, motion.translation, motion.rotation, motion.centre);
   }
   Kokkos::deep_copy(rigid_gap_change, 0.0);
   const auto take = [](PointValues& to, const PointValues& from) {
@@ -75,13 +75,13 @@ void Iterate::take_over(const Iterate& other) {
   small_zones.forget();
 }
 
-void Iterate::set_rigid_parts_aside() {
-  rigid_parts.set_aside(problem.exec, u);
-  const RealView at_dofs = new_values("cgcontact::iterate::rigid_at_dofs", row_places_.body.extent(0));
-  cgcontact::rigid_displacements(problem.exec, row_places_, rigid_parts.on_device(), at_dofs);
+void Iterate::set_rigid_motions_aside() {
+  body_motions.set_aside(problem.exec, u);
+  const RealView at_dofs = new_values("cgcontact::iterate::rigid_at_dofs", row_directions_.body.extent(0));
+  cgcontact::rigid_displacements(problem.exec, row_directions_, body_motions.on_device(), at_dofs);
   const GroupRows& rows = problem.system.groups;
   Kokkos::deep_copy(problem.exec, rigid_gap_change, 0.0);
-  multiply_rows(problem.exec, rows.row_begin, entry_place_, rows.row_value, at_dofs, 1, rigid_gap_change,
+  multiply_rows(problem.exec, rows.row_begin, entry_index_, rows.row_value, at_dofs, 1, rigid_gap_change,
                 rigid_gap_change);
   problem.exec.fence();
 }
@@ -101,7 +101,7 @@ const SupportArrays<MemSpace>& Iterate::supports() const {
 
 RealView Iterate::rigid_displacements() const {
   const RealView moved = new_values("cgcontact::iterate::support_displacements", problem.supports.size());
-  cgcontact::rigid_displacements(problem.exec, support_places_, rigid_parts.on_device(), moved);
+  cgcontact::rigid_displacements(problem.exec, support_directions_, body_motions.on_device(), moved);
   problem.exec.fence();
   return moved;
 }
@@ -194,7 +194,7 @@ double Iterate::spring_force() const {
   return sum;
 }
 
-void Iterate::let_springs_follow() {
+void Iterate::update_spring_anchors() {
   const bool any =
       std::any_of(problem.supports.begin(), problem.supports.end(), [](const SupportPoint& p) { return p.follows; });
   if (!any) return;

@@ -4,10 +4,10 @@
 
 #include <Kokkos_DualView.hpp>
 
+#include "contact/solve/body_motion.hpp"
 #include "contact/solve/contact_arrays.hpp"
 #include "contact/solve/friction.hpp"
 #include "contact/solve/rigid_contact.hpp"
-#include "contact/solve/rigid_part.hpp"
 
 namespace cgcontact {
 
@@ -23,9 +23,9 @@ struct Iterate {
   /// Resets displacement and stress to zero.
   void forget();
   /// Displacements and stresses of the same bodies and pairs, to which supports have been added.
-  void take_over(const Iterate& other);
-  /// Moves rigid motions from u into rigid_parts, with what follows for the gaps.
-  void set_rigid_parts_aside();
+  void warm_start_from(const Iterate& other);
+  /// Moves rigid motions from u into body_motions, with what follows for the gaps.
+  void set_rigid_motions_aside();
 
   /// Returns the unit of forces, N.
   double force_unit() const { return problem.scales.stress * problem.scales.length * problem.scales.length; }
@@ -61,11 +61,11 @@ struct Iterate {
   double spring_force() const;
   /// Moves their rest positions to where the motions are, or to where the steps of the last iterations tend to, body by
   /// body: each has a pace of its own.
-  void let_springs_follow();
+  void update_spring_anchors();
 
   OuterProblem problem;
   RealView u;  ///< without the rigid motions, Scales::length
-  RigidParts rigid_parts;
+  BodyMotions body_motions;
   FloatingBodies floating;
   SmallZones small_zones;
   Friction friction;
@@ -78,8 +78,8 @@ struct Iterate {
 
   ContactGroupArrays<MemSpace> groups_;
   SupportArrays<MemSpace> supports_;
-  DirectionArrays<MemSpace> support_places_, row_places_;
-  IntView entry_place_;                                 ///< of the entries of rows in row_places_
+  DirectionArrays<MemSpace> support_directions_, row_directions_;
+  IntView entry_index_;                                 ///< of the entries of rows in row_directions_
   std::vector<std::vector<double>> last_spring_steps_;  ///< m, of each body's springs
 };
 

@@ -43,7 +43,7 @@ double square_of_rounding(const Iterate& iterate) {
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
     if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area *
-         std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.problem.exec, iterate.u), 2);
+         std::pow(no_stress * stiffest * iterate.body_motions.largest_displacement(iterate.problem.exec, iterate.u), 2);
 }
 
 }  // namespace
@@ -79,11 +79,11 @@ double LaggedStress::update(Iterate& iterate) {
     // would converge slowly.
     const double first = stabilising_modulus(problem.scene.bodies[pair.primary].material),
                  second = stabilising_modulus(problem.scene.bodies[pair.secondary].material);
-    const double part = std::isinf(second) ? 1 : second / (first + second);  // of a rigid body nothing
+    const double fraction = std::isinf(second) ? 1 : second / (first + second);  // of a rigid body nothing
     const auto weight = [&](std::size_t q) { return pair.points.weight(q); };
     const auto mean_traction = [&](const ContactPoint& c, const Vec3& direction) {
-      return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, direction) -
-             (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, direction);
+      return -fraction * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, direction) -
+             (1 - fraction) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, direction);
     };
     change.replace(iterate.contact_stress, first_point, pair.points.size(), weight, [&](std::size_t q) {
       const ContactPoint c = pair.points[q];

@@ -5,10 +5,10 @@
 namespace cgcontact {
 namespace {
 
-constexpr int most_interval_bisections = 30;
+constexpr int max_interval_bisections = 30;
 /// Relative tolerance of the length with friction, whose rigid motions may overshoot where a body is held again.
 /// Fraction of the slope at the start of the step that may be left at its end.
-constexpr int most_halvings_with_friction = 60;
+constexpr int max_halvings_with_friction = 60;
 constexpr double length_error = 1e-3, slope_left = 1e-3;
 
 }  // namespace
@@ -39,7 +39,7 @@ double search_along_step(const LinearSolver& solver, const RealView& before, Ite
   };
   if (slope(1) <= (friction.any() ? slope_left * curvature : 0)) return 1;
   double low = 0, high = 1;
-  const int most = friction.any() ? most_halvings_with_friction : most_interval_bisections;
+  const int most = friction.any() ? max_halvings_with_friction : max_interval_bisections;
   for (int k = 0; k < most && !(friction.any() && high - low < length_error * high); ++k) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "contact/model/contact_system.hpp"
-#include "contact/motions/free_pieces.hpp"
+#include "contact/motions/free_components.hpp"
 #include "contact/solve/active_set.hpp"
 #include "contact/solve/active_set_history.hpp"
 #include "contact/solve/diagnosis.hpp"
@@ -16,7 +16,7 @@
 #include "contact/solve/outer_start.hpp"
 #include "contact/solve/right_hand_side.hpp"
 #include "contact/solve/soft_contact.hpp"
-#include "contact/solve/surface_wanderers.hpp"
+#include "contact/solve/tangential_drift.hpp"
 #include "core/base/memory.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -28,14 +28,14 @@ namespace {
 constexpr double hardly_any_stiffness = 1e-3;
 /// Largest sliding of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most
 /// on the scenes of this repository, those that do not 4 to 400 (docs/decisions.md).
-constexpr double farthest_wandering = 3;
+constexpr double max_drift = 3;
 /// Fall of residuals below which, while no point changes, they may be the linear solve's error: the lagged stress
 /// contracts like 2.7 / kappa at worst. The next ones are solved `tighter`.
 constexpr double slow_fall = 0.5, tighter = 0.1;
-/// Iterations, and a residual, after which bodies that still wander by more than the third (cells) are held, if the
+/// Iterations, and a residual, after which bodies that still drift by more than the third (cells) are held, if the
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
-constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
+constexpr double nearly_converged = 1e-3, no_drift = 0.05;
 /// Relative change of the recovered stress below which closed points may slip (0.3 and 0.03 take as many iterations,
 /// docs/decisions.md).
 constexpr double sticks_until = 0.1;
@@ -60,9 +60,9 @@ struct ContactSolver::Impl {
   void take_turned_rows();
   void update_solver();
   LinearSolveResult solve_linear(double tolerance);
-  void take_over(const Impl& other);
-  bool wanders_far() const;
-  bool wanders_on(const std::vector<double>& residuals) const;
+  void warm_start_from(const Impl& other);
+  bool drift_exceeded() const;
+  bool keeps_drifting(const std::vector<double>& residuals) const;
   bool contact_holds_floating_bodies();
   bool balance_floating_bodies();
   void polish(OuterResult& result);
@@ -79,14 +79,14 @@ struct ContactSolver::Impl {
   Iterate now_;
   std::unique_ptr<LaggedStress> lagged_stress_;  // once the solver is set up, which takes most memory
   RightHandSide right_hand_side_;
-  std::vector<Vec3> load_of_body_;               // N
-  FreeMotions unbalanced_;                       // what the loads drive without end
-  bool warm_ = false;                            // whether there is a converged solution to start from
-  std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
-  bool has_support_terms_ = true;                // whether the system has the terms of the supports
-  std::string solver_error_;                     // of Trilinos, where it gave up
-  std::string why_fallback_;                     // what multigrid gave up with
-  int fallbacks_ = 0;                            // linear solves since then
+  std::vector<Vec3> load_of_body_;          // N
+  FreeMotions unbalanced_;                  // what the loads drive without end
+  bool warm_ = false;                       // whether there is a converged solution to start from
+  std::unique_ptr<TangentialDrift> drift_;  // where contact alone holds bodies
+  bool has_support_terms_ = true;           // whether the system has the terms of the supports
+  std::string solver_error_;                // of Trilinos, where it gave up
+  std::string why_fallback_;                // what multigrid gave up with
+  int fallbacks_ = 0;                       // linear solves since then
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
@@ -96,8 +96,7 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
               problem.scene.solver.method),
       now_(problem),
       right_hand_side_(problem) {
-  if (now_.floating.any())
-    wanderers_ = std::make_unique<SurfaceWanderers>(problem.bodies, problem.supports, problem.pairs);
+  if (now_.floating.any()) drift_ = std::make_unique<TangentialDrift>(problem.bodies, problem.supports, problem.pairs);
 }
 
 void ContactSolver::Impl::take_loads() {
@@ -112,7 +111,7 @@ void ContactSolver::Impl::take_loads() {
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   take_loads();
   for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
-    now_.rigid_parts.set_expansion(b, problem_.bodies[b].expansion);
+    now_.body_motions.set_expansion(b, problem_.bodies[b].expansion);
   // Closed points of another grid hold all bodies; without its displacements there is no way to search along.
   bool held = false;
   if (!warm_) {
@@ -134,7 +133,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   solver_error_.clear();
   warm_ = false;
   double outer_residual = 1;
-  double inner_part = 1;  // of the tolerances of linear solves
+  double tightening = 1;  // factor of the tolerances of linear solves
   ActiveSetHistory history(problem_.pairs);
   SoftContact soft(problem_.pairs);
   RealView before;
@@ -147,7 +146,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (search && before.size() == 0) before = RealView("cgcontact::outer_loop::before", now_.u.size());
     if (search) Kokkos::deep_copy(before, now_.u);
     const double inner =
-        std::max(inner_part * std::min(settings().inner_fraction * outer_residual, settings().loosest_inner_tolerance),
+        std::max(tightening * std::min(settings().inner_fraction * outer_residual, settings().loosest_inner_tolerance),
                  settings().linear_tolerance);
     LinearSolveResult solve = solve_linear(inner * right_hand_side_.force_norm());
     // Displacements that are good enough as they are would give the same stresses again, converged or not.
@@ -162,17 +161,18 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     held = !now_.floating.any() || contact_holds_floating_bodies();
     if (!unbalanced_.empty() || (!held && !balance_floating_bodies())) {
       update_active_set(now_, false);
-      return stop(iteration, describe_parting(open_what_parts(now_, unbalanced_), problem_.pairs.size()), result);
+      return stop(iteration, describe_separation(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()),
+                  result);
     }
-    now_.let_springs_follow();
-    if (wanders_far()) {
-      result.wanders = true;
+    now_.update_spring_anchors();
+    if (drift_exceeded()) {
+      result.drifts = true;
       return result;
     }
     update_active_set(now_, iteration <= settings().last_small_zone_decision);
     step.changed_points = history.record(problem_.pairs);
     step.residual = renew_stress();
-    if (step.changed_points == 0 && step.residual > slow_fall * outer_residual) inner_part *= tighter;
+    if (step.changed_points == 0 && step.residual > slow_fall * outer_residual) tightening *= tighter;
     outer_residual = step.residual;
     step.active_points = count_active(problem_.pairs);
     result.residuals.push_back(step.residual);
@@ -186,14 +186,14 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (held && step.changed_points > 0 && !driven_motions(problem_).empty())
       return stop(iteration, describe_loss_of_contact(problem_.pairs), result);
     if (!was_soft && step.changed_points == 0 && step.residual < settings().tolerance && step.length == 1 &&
-        spring_force <= std::max(settings().largest_spring_part * now_.total_force(),
+        spring_force <= std::max(settings().largest_spring_fraction * now_.total_force(),
                                  settings().linear_tolerance * right_hand_side_.force_norm() * now_.force_unit())) {
       polish(result);
       result.converged = warm_ = true;
       return result;
     }
-    if (wanders_on(result.residuals)) {
-      result.wanders = warm_ = true;
+    if (keeps_drifting(result.residuals)) {
+      result.drifts = warm_ = true;
       return result;
     }
   }
@@ -222,7 +222,7 @@ void ContactSolver::Impl::renew_friction() {
 
 void ContactSolver::Impl::take_turned_rows() {
   right_hand_side_.take_rows(problem_);
-  now_.set_rigid_parts_aside();  // what they do to the rows
+  now_.set_rigid_motions_aside();  // what they do to the rows
 }
 
 /// Allows more than max_outer_iterations while the residual falls: bodies that roll on an edge and friction close to
@@ -234,28 +234,28 @@ bool ContactSolver::Impl::may_go_on(int iteration, const std::vector<double>& re
   return n > falls_in && residuals[n - 1] < falls_to * residuals[n - 1 - falls_in] && iteration <= longest * most;
 }
 
-bool ContactSolver::Impl::wanders_far() const {
-  return wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > farthest_wandering;
+bool ContactSolver::Impl::drift_exceeded() const {
+  return drift_ && drift_->farthest(now_.body_motions.of_bodies()) > max_drift;
 }
 
 /// Returns whether all else stands still, while bodies that soft springs follow do not come to rest.
-bool ContactSolver::Impl::wanders_on(const std::vector<double>& residuals) const {
+bool ContactSolver::Impl::keeps_drifting(const std::vector<double>& residuals) const {
   const std::size_t n = residuals.size();
-  return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] &&
-         wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > no_wandering;
+  return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] && drift_ &&
+         drift_->farthest(now_.body_motions.of_bodies()) > no_drift;
 }
 
 /// From the state of a solver of the same scene whose bodies were not held along surfaces yet.
-void ContactSolver::Impl::take_over(const Impl& other) {
+void ContactSolver::Impl::warm_start_from(const Impl& other) {
   if (!other.warm_) return;
-  now_.take_over(other.now_);
+  now_.warm_start_from(other.now_);
   warm_ = true;
 }
 
 /// Linear system of the present iterate.
 void ContactSolver::Impl::assemble() {
   set_group_stiffness(problem_.system, now_.group_stiffness());
-  now_.set_rigid_parts_aside();
+  now_.set_rigid_motions_aside();
   right_hand_side_.assemble(now_);
 }
 
@@ -272,7 +272,7 @@ void ContactSolver::Impl::update_solver() {
   if (!lagged_stress_) lagged_stress_ = std::make_unique<LaggedStress>(problem_);
   has_support_terms_ = solver_.needs_supports();
   if (has_support_terms_) return;
-  for (std::vector<SupportTerm>& of_part : problem_.system.supports) of_part = std::vector<SupportTerm>();
+  for (std::vector<SupportTerm>& terms : problem_.system.supports) terms = std::vector<SupportTerm>();
   for (BodyModel& body : problem_.bodies)
     if (!body.boundary.body_force_at) body.cut_cells.keep_own_moments();
 }
@@ -319,7 +319,7 @@ void ContactSolver::Impl::end_step() { now_.friction.end_step(now_.groups(), now
 
 /// Moves the bodies that contact alone holds to where its forces balance the loads. False: nothing stops one.
 bool ContactSolver::Impl::balance_floating_bodies() {
-  now_.set_rigid_parts_aside();
+  now_.set_rigid_motions_aside();
   std::vector<double> gap = now_.group_gap_change();
   std::vector<double> stress(now_.contact_stress.h_view.extent(0));
   for (std::size_t q = 0; q < stress.size(); ++q) stress[q] = now_.contact_stress.h_view(q) * problem_.scales.stress;
@@ -330,10 +330,11 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
-    const RigidPiece& piece = now_.floating.pieces()[b];
-    now_.rigid_parts.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / piece.size(), piece.centre());
+    const RigidComponent& component = now_.floating.components()[b];
+    now_.body_motions.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / component.size(),
+                           component.centre());
   }
-  now_.set_rigid_parts_aside();
+  now_.set_rigid_motions_aside();
   return true;
 }
 
@@ -365,7 +366,7 @@ OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, Out
 
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
-  result.rigid_parts = now_.rigid_parts.of_bodies();
+  result.body_motions = now_.body_motions.of_bodies();
   result.group_force = now_.group_force(true);
   const auto first_row = result.group_force.begin() + now_.friction.first_row();
   result.friction_force.assign(first_row, result.group_force.end());
@@ -390,7 +391,7 @@ ContactSolver::~ContactSolver() = default;
 
 void ContactSolver::end_step() { impl_->end_step(); }
 
-void ContactSolver::take_over(const ContactSolver& other) { impl_->take_over(*other.impl_); }
+void ContactSolver::warm_start_from(const ContactSolver& other) { impl_->warm_start_from(*other.impl_); }
 
 OuterResult ContactSolver::solve(const std::function<void(const OuterStep&)>& progress) { return impl_->run(progress); }
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "contact/solve/body_motion.hpp"
 #include "contact/solve/friction.hpp"
-#include "contact/solve/rigid_part.hpp"
 #include "contact/solve/small_zones.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -26,7 +26,7 @@ struct OuterStep {
 
 struct OuterResult {
   RealView u;  ///< displacements of all bodies less their rigid motions, Scales::length; the next call overwrites them
-  std::vector<RigidPart> rigid_parts;  ///< of each body
+  std::vector<BodyMotion> body_motions;  ///< of each body
   int iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> residuals;
@@ -43,8 +43,8 @@ struct OuterResult {
   std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
   bool other_cells_may_help = false;  ///< it ran out of iterations, or a contact was lost
-  /// Stopped because a body wanders along surfaces: to be held (surface_wanderers.hpp), and solved again.
-  bool wanders = false;
+  /// Stopped because a body drifts along surfaces: to be held (tangential_drift.hpp), and solved again.
+  bool drifts = false;
   std::string diagnosis;
 };
 
@@ -57,8 +57,8 @@ class ContactSolver {
   /// earlier: a solution on other grids that the first call starts from (outer_start.hpp), or none.
   explicit ContactSolver(const OuterProblem& problem, const SolvedState* earlier = nullptr);
   ~ContactSolver();
-  /// Starts from where a solver stopped that found a body to wander (`wanders`); from nothing, if it was far off.
-  void take_over(const ContactSolver& other);
+  /// Starts from where a solver stopped that found a body to drift (`drifts`); from nothing, if it was far off.
+  void warm_start_from(const ContactSolver& other);
   OuterResult solve(const std::function<void(const OuterStep&)>& progress);
   /// Ends a load step: from now on points stick where friction has let them slip to.
   void end_step();

@@ -71,8 +71,8 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
     support_stress(s) = earlier_traction(earlier, p.body, x, p.normal, p.direction) / problem.scales.stress;
   });
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
-    const RigidPart& part = earlier.outer.rigid_parts[b];
-    iterate.rigid_parts.move(b, part.translation, part.rotation, part.centre);
+    const BodyMotion& motion = earlier.outer.body_motions[b];
+    iterate.body_motions.move(b, motion.translation, motion.rotation, motion.centre);
   }
   return true;
 }

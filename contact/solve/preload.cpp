@@ -12,7 +12,7 @@ namespace {
 /// Relative tolerance of the prescribed force; the outer iteration converges to about that.
 constexpr double tolerance = 1e-6;
 /// The force is piecewise linear in the interference: a few solves, unless it does not follow it at all.
-constexpr int most_solves = 25;
+constexpr int max_solves = 25;
 /// Growth of a pair's steps without a force until its faces meet; with one, largest ratio of a step to the tightening
 /// (zones that grow with the force are stiffer then).
 constexpr double growth = 4;
@@ -60,7 +60,7 @@ void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<Cont
 void Preload::refuse(Eigen::Index pair, double force) const {
   const ContactSpec& spec = *tightened_[pair];
   throw InputError(
-      spec.place, '"' + spec.name + '"',
+      spec.location, '"' + spec.name + '"',
       fmt::format("its preload of {:.6g} N is not reached: after {} solves an interference of {:.4g} m gives {:.6g} N",
                   *spec.preload, solves_, spec.interference + tightening_[pair], force),
       "a pair whose force its interference gives, not the loads alone, within small strain");
@@ -79,7 +79,7 @@ bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<d
     if (std::abs(missing[i]) / *tightened_[i]->preload > std::abs(missing[worst]) / *tightened_[worst]->preload)
       worst = i;
   if (std::abs(missing[worst]) <= tolerance * *tightened_[worst]->preload) return false;
-  if (++solves_ == most_solves) refuse(worst, force[worst]);
+  if (++solves_ == max_solves) refuse(worst, force[worst]);
   if (guessed_ && solves_ == 1)  // in proportion, where the faces just touch without it
     for (Eigen::Index i = 0; i < size; ++i)
       if (force[i] > 0 && tightening_[i] > 0) stiffness_(i, i) = force[i] / tightening_[i];

@@ -12,7 +12,7 @@ namespace {
 /// Fraction of the kappa terms: forces below are rounding.
 constexpr double no_force = 1e-10;
 /// System units: squares of what is smaller lose the digits that the smallest linear tolerance asks for.
-const double least_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;
+const double min_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;
 
 }  // namespace
 
@@ -28,12 +28,12 @@ void RightHandSide::begin(const std::vector<double>& load, bool keep_scale) {
   const auto host = Kokkos::create_mirror_view(vector_);
   const auto at_touched = Kokkos::create_mirror_view(touched_load_);
   const auto nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), touched_.node);
-  std::vector<int> place(load.size() / dofs_per_node, -1);
-  for (std::size_t t = 0; t < nodes.extent(0); ++t) place[nodes(t)] = static_cast<int>(t);
+  std::vector<int> index(load.size() / dofs_per_node, -1);
+  for (std::size_t t = 0; t < nodes.extent(0); ++t) index[nodes(t)] = static_cast<int>(t);
   square_elsewhere_ = 0;
   for (int i = 0; i < static_cast<int>(load.size()); ++i) {
     host(i) = load[i];
-    if (const int t = place[node_of_dof(i)]; t >= 0)
+    if (const int t = index[node_of_dof(i)]; t >= 0)
       at_touched(dof_of(t, component_of_dof(i))) = load[i];
     else
       square_elsewhere_ += load[i] * load[i];
@@ -53,7 +53,7 @@ bool RightHandSide::underflows() const {
       "cgcontact::right_hand_side::largest", Kokkos::RangePolicy<ExecSpace>(exec_, 0, vector.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i, double& most) { most = std::max(most, std::abs(vector(i))); },
       Kokkos::Max<double>(largest));
-  return largest > 0 && largest < least_squarable;
+  return largest > 0 && largest < min_squarable;
 }
 
 void RightHandSide::assemble(const Iterate& iterate) {

@@ -25,7 +25,7 @@ constexpr double balanced = 1e-6, well_balanced = 1e-11;
 /// Fraction of the loads that the exact normals of one side may leave over.
 constexpr double little_load = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
-constexpr int most_steps = 100, many_steps = 30, most_halvings = 80;
+constexpr int max_steps = 100, many_steps = 30, max_halvings = 80;
 
 /// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
 struct Spring {
@@ -138,7 +138,7 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
   };
   double low = 0, high = 1;
   if (slope(high) <= 0) return high;
-  for (int k = 0; k < most_halvings && high - low > 1e-12 * high; ++k) {
+  for (int k = 0; k < max_halvings && high - low > 1e-12 * high; ++k) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;
   }
@@ -147,7 +147,7 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
 
 bool RigidBodies::solve() {
   double open = open_at_first;
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < max_steps; ++k) {
     const Eigen::VectorXd now = unbalanced();
     if (now.norm() <= (k < many_steps ? well_balanced : balanced) * scale()) return true;
     const Eigen::VectorXd step = newton_step(now, open);
@@ -161,7 +161,7 @@ bool RigidBodies::solve() {
 
 /// Spring of a contact group along directions at its points, without these.
 template <class DirectionAt>
-Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces,
+Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& components,
                     const DirectionAt& direction_at) {
   Spring spring;
   spring.first = pair.primary;
@@ -171,14 +171,14 @@ Spring spring_along(const ContactPair& pair, const ContactGroup& group, const st
     const Vec3 x = pair.points.x(q), direction = direction_at(q);
     const double share = pair.points.weight(q) / group.area;
     // p acts on the primary body against its normal.
-    spring.row_first -= share * pieces[pair.primary].row(x, direction);
-    spring.row_second += share * pieces[pair.secondary].row(x, direction);
+    spring.row_first -= share * components[pair.primary].row(x, direction);
+    spring.row_second += share * components[pair.secondary].row(x, direction);
   }
   return spring;
 }
 
-Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces) {
-  return spring_along(pair, group, pieces, [&](int q) { return pair.points.direction(q); });
+Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& components) {
+  return spring_along(pair, group, components, [&](int q) { return pair.points.direction(q); });
 }
 
 /// Columns that span what a support's resistance leaves free, as a projection.
@@ -191,9 +191,9 @@ Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>
 
 bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                    std::vector<ContactPair>& pairs) {
-  const std::vector<RigidPiece> pieces = whole_bodies(bodies).list;
+  const std::vector<RigidComponent> components = whole_bodies(bodies).list;
   RigidBodies rigid;
-  rigid.load = loads_on(bodies, pieces).first;
+  rigid.load = loads_on(bodies, components).first;
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
   const auto add = [&](Spring spring, double area) {
     spring.first_point = static_cast<int>(rigid.points.size());
@@ -205,7 +205,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
   for (const ContactPair& pair : pairs) {
     for (const ContactGroup& group : pair.groups) {
       stiffest = std::max(stiffest, pair.stiffness(group));
-      Spring spring = spring_of(pair, group, pieces);
+      Spring spring = spring_of(pair, group, components);
       spring.law.k *= softer;
       spring.distance = group.initial_gap;
       add(spring, group.area);
@@ -215,7 +215,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& group : pair.groups)
       for (int i = 0; i < pair.num_tangents; ++i) {
-        Spring spring = spring_along(pair, group, pieces, [&](int q) { return pair.tangents(q)[i]; });
+        Spring spring = spring_along(pair, group, components, [&](int q) { return pair.tangents(q)[i]; });
         spring.law = {along_faces * softer * spring.law.k, true};
         add(spring, group.area);
       }
@@ -223,7 +223,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
     if (p.follows) continue;
     Spring spring;
     spring.first = p.body;
-    spring.row_first = pieces[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    spring.row_first = components[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     spring.law = {stiffest, true};
     spring.distance = -p.value;
     add(spring, p.weight);
@@ -241,10 +241,10 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
 
 FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                const std::vector<ContactPair>& pairs)
-    : bodies_(bodies), pairs_(pairs), pieces_(whole_bodies(bodies).list) {
+    : bodies_(bodies), pairs_(pairs), components_(whole_bodies(bodies).list) {
   std::vector<Resistance> held(bodies.size(), Resistance::Zero());
   const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
-  const auto add = [&](const SupportPoint& p) { add_resistance(p, pieces_, bodies, assembly, held); };
+  const auto add = [&](const SupportPoint& p) { add_resistance(p, components_, bodies, assembly, held); };
   for (const SupportPoint& p : supports)
     if (!p.follows) add(p);
   // A body that supports carry and that only spins (a ball held along its normals): what follows the spin holds it.
@@ -260,8 +260,8 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
   }
   if (!any_) return;
   find_loaded();
-  const std::vector<Led> led = led_pairs();
-  if (std::count(led.begin(), led.end(), Led::squeezed) > 0) hold_along_surfaces(supports);
+  const std::vector<DisplacementDriven> led = displacement_driven_pairs();
+  if (std::count(led.begin(), led.end(), DisplacementDriven::squeezed) > 0) hold_along_surfaces(supports);
 }
 
 bool FloatingBodies::floats(int body) const { return free_[body].norm() > 0.5; }
@@ -293,8 +293,8 @@ void FloatingBodies::hold_along_surfaces(const std::vector<SupportPoint>& suppor
   }
 }
 
-std::vector<Led> FloatingBodies::led_pairs() const {
-  std::vector<Led> led;
+std::vector<DisplacementDriven> FloatingBodies::displacement_driven_pairs() const {
+  std::vector<DisplacementDriven> led;
   for (const ContactPair& pair : pairs_) {
     const auto driven = [&](int body) { return floats(body) && loaded_[body]; };
     const bool held = !floats(pair.primary) && !floats(pair.secondary);
@@ -302,18 +302,19 @@ std::vector<Led> FloatingBodies::led_pairs() const {
     const bool line = bodies_[pair.primary].spec->quadtree;
     // The law of small zones knows no friction.
     const bool other_law = pair.bonded() || pair.num_tangents > 0;
-    led.push_back(line || other_law                                ? Led::no
-                  : held                                           ? Led::held
-                  : driven(pair.primary) || driven(pair.secondary) ? Led::no
-                                                                   : Led::squeezed);
+    led.push_back(line || other_law                                ? DisplacementDriven::no
+                  : held                                           ? DisplacementDriven::held
+                  : driven(pair.primary) || driven(pair.secondary) ? DisplacementDriven::no
+                                                                   : DisplacementDriven::squeezed);
   }
   return led;
 }
 
 /// On the motions that are free.
 Eigen::VectorXd FloatingBodies::load() const {
-  Eigen::VectorXd load = loads_on(bodies_, pieces_).first;
-  for (std::size_t b = 0; b < pieces_.size(); ++b) load.segment<6>(6 * b) = free_[b] * load.segment<6>(6 * b).eval();
+  Eigen::VectorXd load = loads_on(bodies_, components_).first;
+  for (std::size_t b = 0; b < components_.size(); ++b)
+    load.segment<6>(6 * b) = free_[b] * load.segment<6>(6 * b).eval();
   return load;
 }
 
@@ -327,8 +328,8 @@ std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) co
     const RigidMotion first = motion.segment<6>(6 * pair.primary), second = motion.segment<6>(6 * pair.secondary);
     double slowest = 1e300, fastest = 0;
     for (const ContactPoint& q : pair.points) {
-      const double rate =
-          pieces_[pair.secondary].row(q.x, q.normal).dot(second) - pieces_[pair.primary].row(q.x, q.normal).dot(first);
+      const double rate = components_[pair.secondary].row(q.x, q.normal).dot(second) -
+                          components_[pair.primary].row(q.x, q.normal).dot(first);
       slowest = std::min(slowest, rate);
       fastest = std::max(fastest, std::abs(rate));
     }
@@ -354,11 +355,11 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
         if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
         if (pair.bonded()) n = point.direction;
         const double share = point.weight / group.area;
-        spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
-        spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);
+        spring.row_first += share * free_[pair.primary] * components_[pair.primary].row(point.x, n);
+        spring.row_second -= share * free_[pair.secondary] * components_[pair.secondary].row(point.x, n);
       }
       for (int i = 0; i < pair.num_tangents; ++i) {
-        Spring along = spring_along(pair, group, pieces_, [&](int q) { return pair.tangents(q)[i]; });
+        Spring along = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; });
         along.law.bonded = true;
         along.row_first = free_[pair.primary] * along.row_first.eval();
         along.row_second = free_[pair.secondary] * along.row_second.eval();
@@ -375,7 +376,7 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
     }
   FreeMotions moving;
   if (rigid.solve() || rigid.unbalanced().norm() <= little_load * rigid.load.norm()) return moving;
-  moving.bodies = pieces_;
+  moving.bodies = components_;
   moving.modes = rigid.unbalanced().normalized();
   return moving;
 }
@@ -391,7 +392,7 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
     const int first_point = static_cast<int>(rigid.points.size());
     for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), *lagged++});
     for (const ContactGroup& group : pair.groups) {
-      Spring spring = spring_of(pair, group, pieces_);
+      Spring spring = spring_of(pair, group, components_);
       spring.row_first = free_[pair.primary] * spring.row_first.eval();
       spring.row_second = free_[pair.secondary] * spring.row_second.eval();
       spring.distance = gap[rigid.springs.size()];
@@ -408,7 +409,7 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
   }
   for (const FrictionRow& row : friction) {
     const ContactPair& pair = pairs_[row.pair];
-    Spring spring = spring_along(pair, pair.groups[row.group], pieces_, [&](int q) {
+    Spring spring = spring_along(pair, pair.groups[row.group], components_, [&](int q) {
       const std::array<Vec3, 2> along = pair.tangents(q);
       return Vec3(row.along[0] * along[0] + row.along[1] * along[1]);
     });
@@ -423,9 +424,9 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
   }
   Balance result;
   result.found = rigid.solve();
-  for (std::size_t b = 0; b < pieces_.size(); ++b) result.motions.emplace_back(rigid.motion.segment<6>(6 * b));
+  for (std::size_t b = 0; b < components_.size(); ++b) result.motions.emplace_back(rigid.motion.segment<6>(6 * b));
   if (!result.found) {
-    result.unbalanced.bodies = pieces_;
+    result.unbalanced.bodies = components_;
     result.unbalanced.modes = rigid.unbalanced().normalized();
   }
   return result;

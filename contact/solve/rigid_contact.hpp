@@ -28,7 +28,7 @@ class FloatingBodies {
   bool any() const { return any_; }
   /// Returns whether its supports alone leave this body free.
   bool floats(int body) const;
-  const std::vector<RigidPiece>& pieces() const { return pieces_; }
+  const std::vector<RigidComponent>& components() const { return components_; }
 
   struct Balance {
     bool found = false;
@@ -44,7 +44,7 @@ class FloatingBodies {
                   const std::vector<FrictionRow>& friction) const;
   /// Returns for each pair whether prescribed motions give its force. A floating body without loads (its own, or of
   /// those that it may touch and that float too) is squeezed, if it carries anything.
-  std::vector<Led> led_pairs() const;
+  std::vector<DisplacementDriven> displacement_driven_pairs() const;
   /// Checks whether contact carries the loads of the present step with the exact normals of the secondary bodies. On
   /// coarse cells the other points of a round body seem to lean on a plane that only its lowest one touches. Returns
   /// empty, or the motion that nothing stops.
@@ -61,7 +61,7 @@ class FloatingBodies {
 
   const std::vector<BodyModel>& bodies_;
   const std::vector<ContactPair>& pairs_;
-  std::vector<RigidPiece> pieces_;
+  std::vector<RigidComponent> components_;
   std::vector<Eigen::Matrix<double, 6, 6>> free_;  ///< projection of a body's motions on those that are free
   std::vector<char> loaded_;                       ///< or touched by a floating body that is
   bool any_ = false;

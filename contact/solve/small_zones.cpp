@@ -15,7 +15,7 @@ namespace {
 /// Mean displacement of a square of side h under a uniform pressure, times E* h / F.
 constexpr double own_displacement = 0.946;
 /// Largest fraction of a force's change that the cells' own deformation may take.
-constexpr double largest_own_part = 0.8;
+constexpr double max_own_fraction = 0.8;
 /// Cells within which forces act on the local depth as a zone does, not as cells see it: the next groups.
 constexpr double zone_reach = 1.5;
 /// Samples serve until the overlap has grown or shrunk by that.
@@ -23,22 +23,22 @@ constexpr double grown = 1.5, shrunk = 0.5;
 
 /// Groups of a pair by the cells of its primary body that they have points in: several, under a larger cell of the
 /// other body.
-class GroupPlaces {
+class GroupsByCell {
  public:
   /// first: number of the pair's first group.
-  GroupPlaces(const CutCells& cells, const ContactPair& pair, std::size_t first)
+  GroupsByCell(const CutCells& cells, const ContactPair& pair, std::size_t first)
       : cells_(cells), pair_(pair), first_(first) {}
   void add(std::size_t group) {
-    for (const int cell : cells_of(group)) groups_[place_of(cells_, cell)].push_back(group);
+    for (const int cell : cells_of(group)) groups_[cell_index(cells_, cell)].push_back(group);
   }
   /// A group may be visited more than once.
   template <typename Visit>
   void each_around(std::size_t group, int reach, const Visit& visit) const {
     for (const int cell : cells_of(group))
-      each_place_around(cells_.num_levels(), place_of(cells_, cell), reach, [&](const CellPlace& at) {
-        const auto place = groups_.find(at);
-        if (place == groups_.end()) return;
-        for (const std::size_t g : place->second) visit(g);
+      each_cell_index_around(cells_.num_levels(), cell_index(cells_, cell), reach, [&](const CellIndex& at) {
+        const auto found = groups_.find(at);
+        if (found == groups_.end()) return;
+        for (const std::size_t g : found->second) visit(g);
       });
   }
 
@@ -56,7 +56,7 @@ class GroupPlaces {
   const CutCells& cells_;
   const ContactPair& pair_;
   const std::size_t first_;
-  std::map<CellPlace, std::vector<std::size_t>> groups_;
+  std::map<CellIndex, std::vector<std::size_t>> groups_;
 };
 
 }  // namespace
@@ -101,19 +101,19 @@ struct SmallZones::Overlap {
 struct SmallZones::Law {
   std::vector<double> force, stiffness, bedding, width;  ///< N, N/m, Pa/m, m
   std::vector<double> extra;                             ///< m: approach that the cells' deformation stands for
-  std::vector<double> own_part;                          ///< change of the force with the force that extra is made of
-  double total = 0, part_of_cells = 0;                   ///< N; of the approach
+  std::vector<double> own_fraction;                      ///< change of the force with the force that extra is made of
+  double total = 0, fraction_of_cells = 0;               ///< N; of the approach
 };
 
-SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
-                       const SolverOptions& options)
+SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs,
+                       std::vector<DisplacementDriven> led, const SolverOptions& options)
     : bodies_(bodies), pairs_(pairs), led_(std::move(led)), options_(options) {
   std::size_t size = 0;
   for (const ContactPair& pair : pairs) {
     first_.push_back(size);
     size += pair.groups.size();
     planes_.emplace_back();
-    if (led_[planes_.size() - 1] == Led::no) continue;
+    if (led_[planes_.size() - 1] == DisplacementDriven::no) continue;
     const BodyModel &a = bodies[pair.primary], &b = bodies[pair.secondary];
     planes_.back() = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
                                    a.cut_cells.grid.cell_size);
@@ -152,7 +152,7 @@ ZoneSpring SmallZones::spring(std::size_t g) const {
   ZoneSpring spring;
   const std::size_t pair = std::upper_bound(first_.begin(), first_.end(), g) - first_.begin() - 1;
   const State& state = groups_[g];
-  if (led_[pair] != Led::squeezed || !(state.small || state.beside)) return spring;
+  if (led_[pair] != DisplacementDriven::squeezed || !(state.small || state.beside)) return spring;
   if (state.small && state.force > 0) {
     spring.stiffness = state.stiffness;
     spring.points.push_back({1, state.force + state.stiffness * state.gap});
@@ -176,10 +176,10 @@ double SmallZones::effective_modulus(std::size_t pair) const {
 /// neighbours are all closed.
 std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   const ContactPair& p = pairs_[pair];
-  GroupPlaces places(bodies_[p.primary].cut_cells, p, 0);
+  GroupsByCell by_cell(bodies_[p.primary].cut_cells, p, 0);
   std::vector<char> closed(p.groups.size(), 0), resolved(p.groups.size(), 0), near(p.groups.size(), 0);
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
-    places.add(g);
+    by_cell.add(g);
     if (has(first_[pair] + g)) continue;
     for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points.active(q);
   }
@@ -187,15 +187,15 @@ std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     if (!closed[g]) continue;
     bool inside = true;
-    places.each_around(g, 1, [&](std::size_t other) { inside &= closed[other] != 0; });
+    by_cell.each_around(g, 1, [&](std::size_t other) { inside &= closed[other] != 0; });
     if (inside) next.push_back(g);
   }
   for (const std::size_t g : next) resolved[g] = 1;
   while (!next.empty()) {
     const std::size_t g = next.back();
     next.pop_back();
-    places.each_around(g, 2, [&](std::size_t other) { near[other] = 1; });
-    places.each_around(g, 1, [&](std::size_t other) {
+    by_cell.each_around(g, 2, [&](std::size_t other) { near[other] = 1; });
+    by_cell.each_around(g, 1, [&](std::size_t other) {
       if (!closed[other] || resolved[other]) return;
       resolved[other] = 1;
       next.push_back(other);
@@ -221,10 +221,10 @@ void SmallZones::sample(std::size_t pair, std::size_t g, double overlap) {
 
 /// Groups with samples, joined over neighbouring cells.
 std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vector<std::size_t>& groups) const {
-  GroupPlaces places(bodies_[pairs_[pair].primary].cut_cells, pairs_[pair], first_[pair]);
+  GroupsByCell by_cell(bodies_[pairs_[pair].primary].cut_cells, pairs_[pair], first_[pair]);
   std::map<std::size_t, bool> seen;
   for (const std::size_t g : groups) {
-    places.add(g);
+    by_cell.add(g);
     seen[g] = false;
   }
   std::vector<Zone> zones;
@@ -237,7 +237,7 @@ std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vec
       const std::size_t g = next.back();
       next.pop_back();
       zones.back().groups.push_back(g);
-      places.each_around(g, 1, [&](std::size_t other) {
+      by_cell.each_around(g, 1, [&](std::size_t other) {
         if (seen[other]) return;
         seen[other] = true;
         next.push_back(other);
@@ -326,7 +326,7 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
     double own = 0;
     for (const Neighbours::Image& image : near.of_group[i])
       if (image.group == i) own += compliance(image);
-    law.own_part.push_back(std::min(law.stiffness.back() * own, largest_own_part));
+    law.own_fraction.push_back(std::min(law.stiffness.back() * own, max_own_fraction));
     law.total += law.force.back();
     if (overlaps[i].area > 0) depth += law.force.back() * overlaps[i].volume / overlaps[i].area;
   }
@@ -334,7 +334,7 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
   for (std::size_t i = 0; i < n; ++i)
     of_cells += law.force[i] * approach_of_cells(i, [&](std::size_t k) { return law.force[k]; });
   // The mean depth is half of the approach on a sphere.
-  law.part_of_cells = depth > 0 ? of_cells / (2 * depth) : 0.0;
+  law.fraction_of_cells = depth > 0 ? of_cells / (2 * depth) : 0.0;
   return law;
 }
 
@@ -358,7 +358,7 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
                                    const std::vector<double>& group_force) const {
   double deepest = 0;
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-    if (led_[pair] != Led::squeezed) continue;
+    if (led_[pair] != DisplacementDriven::squeezed) continue;
     for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
       deepest = std::max(deepest, std::min(group(pair, g).larger_cell,
                                            approach(pair, g, gap_change, group_force) - nearest_distance(pair, g)));
@@ -370,7 +370,7 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
 void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_change,
                              const std::vector<double>& group_force) {
   const ContactPair& p = pairs_[pair];
-  const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
+  const double deeper = led_[pair] == DisplacementDriven::squeezed ? squeeze_ : 0;
   const std::vector<char> resolved = near_resolved(pair);
   std::vector<std::size_t> candidates;
   for (std::size_t k = 0; k < p.groups.size(); ++k) {
@@ -392,7 +392,7 @@ void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_ch
     const auto any = [&](const auto& is) { return std::any_of(zone.groups.begin(), zone.groups.end(), is); };
     const bool was = any([&](std::size_t g) { return has(g); });
     const bool seen = !was && any([&](std::size_t g) { return group_force[g] > 0; });  // by mean gaps
-    if (law.total > 0 && law.part_of_cells < (seen ? options_.small_zone_joins : options_.small_zone_leaves))
+    if (law.total > 0 && law.fraction_of_cells < (seen ? options_.small_zone_joins : options_.small_zone_leaves))
       for (const std::size_t g : zone.groups) small[g - first_[pair]] = 1;
     if (law.total == 0 && !seen)
       for (const std::size_t g : zone.groups) beside[g - first_[pair]] = 1;
@@ -424,13 +424,13 @@ void SmallZones::update(const std::vector<double>& gap_change, const std::vector
   double change = 0, sum = 0;
   if (decide) squeeze_ = std::max(squeeze_, deepest_squeeze(gap_change, group_force));
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-    if (led_[pair] == Led::no) continue;
+    if (led_[pair] == DisplacementDriven::no) continue;
     if (decide) decide_pair(pair, gap_change, group_force);
     std::vector<std::size_t> groups;
     for (std::size_t k = 0; k < pairs_[pair].groups.size(); ++k)
       if (has(first_[pair] + k)) groups.push_back(first_[pair] + k);
     if (groups.empty()) continue;
-    const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
+    const double deeper = led_[pair] == DisplacementDriven::squeezed ? squeeze_ : 0;
     if (decide)
       parallel_for("cgcontact::small_zones::sample_groups", groups.size(), 1, [&](std::size_t i) {
         sample(pair, groups[i], approach(pair, groups[i], gap_change, group_force) + deeper);
@@ -444,8 +444,8 @@ void SmallZones::update(const std::vector<double>& gap_change, const std::vector
         change += std::abs(law.force[i] - group_force[g]);
         sum += law.force[i];
         // Newton's step for the force that is also the one which deforms the cells.
-        const double rest = 1 - law.own_part[i];
-        state.force = std::max((law.force[i] - law.own_part[i] * std::max(group_force[g], 0.0)) / rest, 0.0);
+        const double rest = 1 - law.own_fraction[i];
+        state.force = std::max((law.force[i] - law.own_fraction[i] * std::max(group_force[g], 0.0)) / rest, 0.0);
         state.stiffness = law.stiffness[i] / rest;
         state.bedding = law.bedding[i];
         state.width = law.width[i];

@@ -29,12 +29,12 @@ struct ZoneSpring {
 
 /// Forces of a pair that prescribed motions, interferences or overlaps give: none (loads do: it is left alone), that
 /// between two bodies held by supports, that on a body which is squeezed between others.
-enum class Led { no, held, squeezed };
+enum class DisplacementDriven { no, held, squeezed };
 
 class SmallZones {
  public:
   /// The arguments must outlive this object.
-  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
+  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<DisplacementDriven> led,
              const SolverOptions& options);
 
   /// Empties the small zones.
@@ -97,7 +97,7 @@ class SmallZones {
 
   const std::vector<BodyModel>& bodies_;
   std::vector<ContactPair>& pairs_;
-  std::vector<Led> led_;
+  std::vector<DisplacementDriven> led_;
   const SolverOptions& options_;
   std::vector<std::vector<SymmetryPlane>> planes_;  ///< of each pair
   std::vector<std::size_t> first_;                  ///< of each pair's groups

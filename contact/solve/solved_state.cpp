@@ -19,7 +19,7 @@ void corner_displacements(const SolvedState& state, int body, int cell, double o
 
 }  // namespace
 
-void SolvedState::keep_fields_only() {
+void SolvedState::release_assembly_data() {
   for (BodyModel& body : bodies) body.cut_cells.drop_moments();
   supports = {};
 }
@@ -29,7 +29,7 @@ Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi) 
   corner_displacements(state, body, cell, u);
   const CutCells& cut_cells = state.bodies[body].cut_cells;
   return state.scales.length * (cut_cells.grid.rotation * interpolate(u, xi)) +
-         state.outer.rigid_parts[body].at(global_position(cut_cells, cell, xi));
+         state.outer.body_motions[body].at(global_position(cut_cells, cell, xi));
 }
 
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {
@@ -53,18 +53,18 @@ std::vector<Sym3> recovered_stress_at_corners(const SolvedState& state, const Re
   const BodyMesh& mesh = state.system.meshes[body];
   std::vector<Sym3> stress(cells.size());
   std::vector<int> nodes;
-  std::vector<std::size_t> places;
+  std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (const int node = mesh.cell_nodes[cells[i]][corners[i]] - mesh.first_node; field.nodes.row(node) < 0) {
       nodes.push_back(node);
-      places.push_back(i);
+      indices.push_back(i);
     }
   std::vector<Coefficients> polynomials(nodes.size());
   if (!nodes.empty()) field.interior->at_all(nodes, polynomials.front().data());
   parallel_for("cgcontact::solved_state::interior", nodes.size(), grain_of_medium, [&](std::size_t i) {
     double s[6];  // a polynomial at its node
     for (int k = 0; k < 6; ++k) s[k] = polynomials[i][num_terms * k];
-    stress[places[i]] = to_global(state, body, s) + state.bodies[body].held_back;
+    stress[indices[i]] = to_global(state, body, s) + state.bodies[body].held_back;
   });
   parallel_for("cgcontact::solved_state::stored", cells.size(), grain_of_medium, [&](std::size_t i) {
     const int a = corners[i];

@@ -31,7 +31,7 @@ struct SolvedState {
   ReferenceSpec reference;                ///< what the results are compared with
 
   /// Forgets what the fields do not need and the figures have been made of: moments of the cells, points of supports.
-  void keep_fields_only();
+  void release_assembly_data();
 };
 
 /// Returns the unit of OuterResult::group_force, N.

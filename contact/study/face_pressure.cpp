@@ -15,10 +15,10 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t num_columns = 15;
-constexpr std::size_t fewest_points = 3;  ///< for a fit
+constexpr std::size_t min_points = 3;  ///< for a fit
 /// Beside the end of a contact zone all within a cell would smooth it away. Beyond the farthest one the weight ends by
 /// so much.
-constexpr std::size_t most_points = 6;
+constexpr std::size_t max_points = 6;
 constexpr double margin = 1.25;
 constexpr double open_below = 1e-9;  ///< of the largest pressure: SPR-C leaves 1e-10 of it outside
 
@@ -127,7 +127,7 @@ SampledPressure::Linear SampledPressure::fit(const std::vector<Neighbour>& point
 
 double SampledPressure::operator()(int body, const Vec3& x) const {
   std::vector<Neighbour> points = neighbours(body, x);
-  if (points.size() < fewest_points) return nearest(body, x);
+  if (points.size() < min_points) return nearest(body, x);
   const auto is_open = [&](const Neighbour& point) { return std::abs(rows_[point.second].pressure_sprc) <= open_; };
   const auto open = std::find_if(points.begin(), points.end(), is_open);
   const auto closed = std::find_if_not(points.begin(), points.end(), is_open);
@@ -138,7 +138,7 @@ double SampledPressure::operator()(int body, const Vec3& x) const {
     const Linear square = fit(zone, 2);
     if (square(outside) < square(inside) / 2) return std::sqrt(std::max(0.0, square(x)));
   }
-  points.resize(std::min(points.size(), most_points));
+  points.resize(std::min(points.size(), max_points));
   return fit(points, 1)(x);
 }
 

@@ -55,7 +55,7 @@ class StudyRunner {
 
  private:
   void check_programs();
-  void take_over(const std::map<std::string, StudyRow>& earlier, std::size_t row);
+  void warm_start_from(const std::map<std::string, StudyRow>& earlier, std::size_t row);
   void run_row(std::size_t row, Progress& progress);
   bool run_once(StudyRow& row, const std::string& directory);
   void read_results(StudyRow& row, const fs::path& directory, double wall_s);
@@ -89,7 +89,7 @@ void StudyRunner::check_programs() {
   }
 }
 
-void StudyRunner::take_over(const std::map<std::string, StudyRow>& earlier, std::size_t r) {
+void StudyRunner::warm_start_from(const std::map<std::string, StudyRow>& earlier, std::size_t r) {
   StudyRow& row = study_.rows[r];
   const auto found = earlier.find(row.fingerprint);
   if (found == earlier.end()) return;
@@ -151,9 +151,9 @@ void StudyRunner::run_row(std::size_t r, Progress& progress) {
   const fs::path target = folder(row), again = target.string() + ".again";
   fs::remove_all(target);
   for (int k = 0; k < options_.repeat; ++k) {
-    const fs::path& place = k == 0 ? target : again;
+    const fs::path& run_folder = k == 0 ? target : again;
     const std::string fastest = row.report;
-    const bool results = run_once(row, place.string());
+    const bool results = run_once(row, run_folder.string());
     if (k > 0 && results && row.report != fastest) {
       fs::remove_all(target);
       fs::rename(again, target);
@@ -212,7 +212,7 @@ int StudyRunner::run() try {
   Progress progress;
   if (options_.resume) {
     const auto earlier = earlier_rows(directory_);
-    for (std::size_t r = 0; r < study_.rows.size(); ++r) take_over(earlier, r);
+    for (std::size_t r = 0; r < study_.rows.size(); ++r) warm_start_from(earlier, r);
   }
   if (!fs::exists(fs::path(directory_) / "study.json")) write(progress);  // the directory is ours from now on
   // All variants of one size before the next size: a study that is stopped has something to compare.

@@ -67,8 +67,8 @@ Scene read_changed_scene(const std::string& file, std::vector<std::string> overr
     return read_scene(file, overrides);
   } catch (const InputError& error) {
     std::string problem = error.what();
-    const std::string place = "--set " + change + ": ";
-    if (problem.rfind(place, 0) == 0) problem.erase(0, place.size());
+    const std::string prefix = "--set " + change + ": ";
+    if (problem.rfind(prefix, 0) == 0) problem.erase(0, prefix.size());
     throw InputError(fmt::format("{}: {}", option, problem));
   }
 }
@@ -78,10 +78,10 @@ Scene read_changed_scene(const std::string& file, std::vector<std::string> overr
 std::vector<std::string> overrides_of(const CommandLine& line, const Variant& variant, const std::string& size,
                                       const Scene& as_it_is, bool own_reference) {
   std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};
-  const auto has_own_steps = [](const auto& of_part) { return !of_part.steps.empty(); };
-  const bool by_parts = std::any_of(as_it_is.loads.begin(), as_it_is.loads.end(), has_own_steps) ||
-                        std::any_of(as_it_is.supports.begin(), as_it_is.supports.end(), has_own_steps);
-  if (!as_it_is.steps.empty() && !by_parts) overrides.emplace_back("steps={factors=[1]}");
+  const auto has_own_steps = [](const auto& spec) { return !spec.steps.empty(); };
+  const bool with_own_steps = std::any_of(as_it_is.loads.begin(), as_it_is.loads.end(), has_own_steps) ||
+                              std::any_of(as_it_is.supports.begin(), as_it_is.supports.end(), has_own_steps);
+  if (!as_it_is.steps.empty() && !with_own_steps) overrides.emplace_back("steps={factors=[1]}");
   overrides.insert(overrides.end(), line.overrides.begin(), line.overrides.end());
   if (own_reference) overrides.emplace_back("output.csv=true");
   if (!variant.preconditioner.empty()) overrides.push_back("solver.preconditioner=" + variant.preconditioner);
@@ -135,7 +135,7 @@ StudyPlan plan_study(const CommandLine& line) {
   if (options.key.empty())
     for (const BodySpec& body : as_it_is.bodies)
       if (body.cell_size == 0)
-        throw InputError(body.place, "\"" + body.name + "\"", "has no cell_size that --refine could divide",
+        throw InputError(body.location, "\"" + body.name + "\"", "has no cell_size that --refine could divide",
                          "--vary accuracy.pressure=5%,2%,1%");
   StudyPlan plan;
   Study& study = plan.study;

@@ -105,7 +105,7 @@ void become_child(pid_t parent, int pipe, const ChildLimits& limits) {
 
 /// Reads to the end of the pipe; false: the time is up.
 bool read_until(Clock::time_point end, int pipe, std::vector<char>& bytes) {
-  for (std::vector<char> part(1 << 16);;) {
+  for (std::vector<char> chunk(1 << 16);;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
     pollfd wait{pipe, POLLIN, 0};
     const int ready = left > 0 ? poll(&wait, 1, static_cast<int>(std::min<long long>(left, 1 << 30))) : 0;
@@ -114,10 +114,10 @@ bool read_until(Clock::time_point end, int pipe, std::vector<char>& bytes) {
       if (errno == EINTR) continue;
       return true;
     }
-    const ssize_t count = read(pipe, part.data(), part.size());
+    const ssize_t count = read(pipe, chunk.data(), chunk.size());
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return true;
-    bytes.insert(bytes.end(), part.data(), part.data() + count);
+    bytes.insert(bytes.end(), chunk.data(), chunk.data() + count);
   }
 }
 

@@ -30,15 +30,16 @@ std::string printable(const std::string& text, std::size_t longest) {
 
 namespace {
 
-constexpr std::size_t longest_value = 80, longest_text = 1500, longest_place = 1000;
+constexpr std::size_t longest_value = 80, longest_text = 1500, longest_location = 1000;
 
-std::string format_message(const SourcePlace& place, const std::string& value, const std::string& problem,
+std::string format_message(const SourceLocation& location, const std::string& value, const std::string& problem,
                            const std::string& allowed) {
-  std::string text = place.file.size() > longest_place ? printable(place.file, longest_place) : place.file;
-  if (place.line > 0) text += ":" + std::to_string(place.line);
+  std::string text =
+      location.file.size() > longest_location ? printable(location.file, longest_location) : location.file;
+  if (location.line > 0) text += ":" + std::to_string(location.line);
   if (!text.empty()) text += ": ";
-  if (!place.key.empty()) {
-    text += place.key;
+  if (!location.key.empty()) {
+    text += location.key;
     if (!value.empty()) text += " = " + value;
     text += ": ";
   } else if (!value.empty()) {
@@ -51,9 +52,9 @@ std::string format_message(const SourcePlace& place, const std::string& value, c
 
 }  // namespace
 
-InputError::InputError(const SourcePlace& place, const std::string& value, const std::string& problem,
+InputError::InputError(const SourceLocation& location, const std::string& value, const std::string& problem,
                        const std::string& allowed)
-    : std::runtime_error(format_message(place, printable(value, longest_value), printable(problem, longest_text),
+    : std::runtime_error(format_message(location, printable(value, longest_value), printable(problem, longest_text),
                                         printable(allowed, longest_text))) {}
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-/// Errors that a user can cause, with their position in the scene.
+/// Errors that a user can cause, with their location in the scene.
 #pragma once
 
 #include <stdexcept>
@@ -6,8 +6,8 @@
 
 namespace cgcontact {
 
-/// Position in a scene file; line 0 means "no line known" (for example a value given by --set).
-struct SourcePlace {
+/// Location in a scene file; line 0 means "no line known" (for example a value given by --set).
+struct SourceLocation {
   std::string file;
   int line = 0;
   std::string key;  ///< dotted key, for example body[0].material.E
@@ -21,7 +21,7 @@ class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
   /// value and allowed may be empty.
-  InputError(const SourcePlace& place, const std::string& value, const std::string& problem,
+  InputError(const SourceLocation& location, const std::string& value, const std::string& problem,
              const std::string& allowed = {});
 };
 

@@ -125,7 +125,7 @@ double parse_memory(const std::string& text) {
   for (char& c : unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto found = units.find(unit);
   if (error != std::errc() || found == units.end() || !(value > 0) || !std::isfinite(value * found->second))
-    throw InputError(SourcePlace{}, '"' + text + '"', "is no amount of memory",
+    throw InputError(SourceLocation{}, '"' + text + '"', "is no amount of memory",
                      "for example 8GB, 500MB, 16GiB, or none");
   return value * found->second;
 }

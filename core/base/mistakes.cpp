@@ -11,7 +11,7 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t most_mistakes = 20;  // that a terminal shows at once
+constexpr std::size_t max_mistakes = 20;  // that a terminal shows at once
 
 /// Line number of a message "file:line: ..."; 0: it has none.
 int line_of(const std::string& message, const std::string& file) {
@@ -37,9 +37,9 @@ std::vector<std::string> in_order(const std::vector<std::string>& messages, cons
     if (seen.insert(without_numbers(message)).second) lines.push_back(message);
   std::stable_sort(lines.begin(), lines.end(),
                    [&](const std::string& a, const std::string& b) { return line_of(a, file) < line_of(b, file); });
-  if (const std::size_t all = lines.size(); all > most_mistakes) {
-    lines.resize(most_mistakes);
-    lines.push_back("and " + std::to_string(all - most_mistakes) + " more mistakes");
+  if (const std::size_t all = lines.size(); all > max_mistakes) {
+    lines.resize(max_mistakes);
+    lines.push_back("and " + std::to_string(all - max_mistakes) + " more mistakes");
   }
   if (lines.empty()) throw std::logic_error("no mistakes to tell together");
   return lines;

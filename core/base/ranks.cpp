@@ -115,28 +115,28 @@ MPI_Comm failures = MPI_COMM_NULL;
 constexpr double patience = 5;
 
 /// MPI counts in int: longer arrays go in chunks.
-constexpr std::size_t largest_count = INT_MAX / 2;
+constexpr std::size_t max_count = INT_MAX / 2;
 
 template <class T>
 void sum(T* values, std::size_t count, MPI_Datatype type) {
   if (ranks == 1) return;
   work_of_rank().reductions += 1;
   work_of_rank().reduced_bytes += static_cast<double>(count * sizeof(T));
-  for (std::size_t done = 0; done < count; done += largest_count)
-    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(largest_count, count - done)), type, MPI_SUM,
+  for (std::size_t done = 0; done < count; done += max_count)
+    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(max_count, count - done)), type, MPI_SUM,
                   MPI_COMM_WORLD);
 }
 
 /// All ranks know all sizes.
-void gather_pieces(const char* own, const std::vector<std::size_t>& sizes, char* all, bool in_place) {
+void gather_shares(const char* own, const std::vector<std::size_t>& sizes, char* all, bool in_place) {
   std::size_t total = 0;
   for (const std::size_t size : sizes) total += size;
-  if (total > largest_count) {  // rank after rank
+  if (total > max_count) {  // rank after rank
     std::size_t begin = 0;
     for (int r = 0; r < ranks; ++r) {
       if (r == own_rank && !in_place) std::copy(own, own + sizes[r], all + begin);
-      for (std::size_t done = 0; done < sizes[r]; done += largest_count)
-        MPI_Bcast(all + begin + done, static_cast<int>(std::min(largest_count, sizes[r] - done)), MPI_BYTE, r,
+      for (std::size_t done = 0; done < sizes[r]; done += max_count)
+        MPI_Bcast(all + begin + done, static_cast<int>(std::min(max_count, sizes[r] - done)), MPI_BYTE, r,
                   MPI_COMM_WORLD);
       begin += sizes[r];
     }
@@ -202,7 +202,7 @@ std::vector<char> gather_bytes(const void* own, std::size_t size) {
   std::size_t total = 0;
   for (const unsigned long long s : sizes) total += s;
   std::vector<char> all(total);
-  gather_pieces(bytes, {sizes.begin(), sizes.end()}, all.data(), false);
+  gather_shares(bytes, {sizes.begin(), sizes.end()}, all.data(), false);
   return all;
 }
 
@@ -211,7 +211,7 @@ void put_together(void* all, std::size_t n, std::size_t size) {
   std::vector<std::size_t> sizes;
   for (int r = 0; r < ranks; ++r)
     sizes.push_back((n * (static_cast<std::size_t>(r) + 1) / ranks - n * static_cast<std::size_t>(r) / ranks) * size);
-  gather_pieces(nullptr, sizes, static_cast<char*>(all), true);
+  gather_shares(nullptr, sizes, static_cast<char*>(all), true);
 }
 
 bool failed_on_all_ranks() {

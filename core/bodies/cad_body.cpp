@@ -5,9 +5,9 @@
 
 #include "core/base/errors.hpp"
 #include "core/bodies/booleans.hpp"
+#include "core/bodies/clipped_triangles.hpp"
 #include "core/bodies/triangle_body.hpp"
 #include "core/bodies/triangle_cells.hpp"
-#include "core/bodies/triangle_pieces.hpp"
 #include "core/cells/cell_tree.hpp"
 #include "core/cells/grid.hpp"
 
@@ -45,25 +45,25 @@ Vec2 corner_weights(const TriangleSurface& surface, int triangle, const Vec3& x)
 }
 
 /// Point on the exact surface, in the coordinates of the body.
-struct ExactPlace {
+struct ExactFoot {
   Vec3 x, normal;
 };
 
 /// Returns the point of the exact surface nearest to x, searched from a point on a triangle; nullopt if it is not near
 /// there.
-std::optional<ExactPlace> exact_foot(const CadSurface& surface, int triangle, const Vec3& foot, const Vec3& x) {
+std::optional<ExactFoot> exact_foot(const CadSurface& surface, int triangle, const Vec3& foot, const Vec3& x) {
   const CurvedTriangles& curved = surface.curved;
-  const Similarity& place = curved.placement;
+  const Similarity& motion = curved.placement;
   const CurvedFace& face = curved.faces[curved.triangles[triangle].face];
   const Vec2 at = corner_weights(surface.flat, triangle, foot);
   Vec2 uv = curved.parameters(triangle, at[0], at[1]);
   SurfaceJet jet;
-  const Vec3 local = place.rotation.transpose() * (x - place.translation) / place.scale;
+  const Vec3 local = motion.rotation.transpose() * (x - motion.translation) / motion.scale;
   if (!project(*face.surface, local, uv, jet)) return std::nullopt;
-  const Vec3 found = place(jet.x);
+  const Vec3 found = motion(jet.x);
   const double limit = near_sags * surface.sag + 0.5 * (x - foot).norm();
   if ((found - foot).norm() > limit) return std::nullopt;
-  return ExactPlace{found, face.orientation * (place.rotation * jet.xu.cross(jet.xv)).normalized()};
+  return ExactFoot{found, face.orientation * (motion.rotation * jet.xu.cross(jet.xv)).normalized()};
 }
 
 /// One face.
@@ -72,19 +72,19 @@ class CadPatch final : public SurfacePatch {
   CadPatch(std::shared_ptr<const CadSurface> surface, int face) : surface_(std::move(surface)), face_(face) {}
 
   Surface near(const Vec3& x) const override {
-    const ExactPlace place = nearest(x);
+    const ExactFoot at = nearest(x);
     Surface plane;
-    plane.point = place.x;
-    plane.direction = place.normal;
+    plane.point = at.x;
+    plane.direction = at.normal;
     return plane;
   }
   Vec3 normal(const Vec3& x) const override { return nearest(x).normal; }
 
  private:
   /// On the surface of the face beyond its rim, too; at the tip of a cone and the like on the nearest triangle.
-  ExactPlace nearest(const Vec3& x) const {
+  ExactFoot nearest(const Vec3& x) const {
     const TriangleSurface::Foot foot = surface_->flat.nearest(x, face_);
-    if (const auto place = exact_foot(*surface_, foot.triangle, foot.point, x)) return *place;
+    if (const auto exact = exact_foot(*surface_, foot.triangle, foot.point, x)) return *exact;
     return {foot.point, surface_->flat.normal(foot.triangle)};
   }
 
@@ -167,7 +167,7 @@ bool CadBody::bounding_box(Vec3& min, Vec3& max) const {
 /// the triangle.
 void CadBody::crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const {
   const CurvedTriangles& curved = surface_->curved;
-  const Similarity& place = curved.placement;
+  const Similarity& motion = curved.placement;
   const double slack = near_sags * surface_->sag / d.norm();
   surface_->flat.each_hit(x, d, reach + slack, [&](double t, int triangle) {
     const int f = curved.triangles[triangle].face;
@@ -178,9 +178,9 @@ void CadBody::crossings(const Vec3& x, const Vec3& d, double reach, std::vector<
       Vec2 uv = curved.parameters(triangle, at[0], at[1]);
       SurfaceJet jet;
       double exact = t;
-      const Vec3 local = place.rotation.transpose() * (x - place.translation) / place.scale;
-      if (meet(*face.surface, local, place.rotation.transpose() * d / place.scale, uv, exact, jet)) {
-        const Vec3 normal = face.orientation * (place.rotation * jet.xu.cross(jet.xv)).normalized();
+      const Vec3 local = motion.rotation.transpose() * (x - motion.translation) / motion.scale;
+      if (meet(*face.surface, local, motion.rotation.transpose() * d / motion.scale, uv, exact, jet)) {
+        const Vec3 normal = face.orientation * (motion.rotation * jet.xu.cross(jet.xv)).normalized();
         const double slope = std::max(std::abs(normal.dot(d)) / d.norm(), 0.1);
         if (std::abs(exact - t) * slope <= slack) crossing = {exact, f, normal};
       }
@@ -200,8 +200,8 @@ void CadBody::boundary_points(const Index3& cell, const std::vector<char>& selec
                            dividers, order, owner, points);
 }
 
-CellEstimate CadBody::estimate_cells(const Grid& grid, double most_cells) const {
-  return estimate_triangle_cells(surface_->flat, grid, most_cells);
+CellEstimate CadBody::estimate_cells(const Grid& grid, double max_cells) const {
+  return estimate_triangle_cells(surface_->flat, grid, max_cells);
 }
 
 std::vector<int> CadBody::surfaces_near(const Vec3& centre, double half_size, double slack,
@@ -214,14 +214,14 @@ double CadBody::signed_distance(const Vec3& x) const {
   const double side = (x - foot.point).dot(foot.normal) < 0 ? -1 : 1;
   const double distance = side * foot.distance;
   if (foot.distance > exact_within * surface_->sag || surface_->curved.is_plane(foot.triangle)) return distance;
-  const auto place = exact_foot(*surface_, foot.triangle, foot.point, x);
-  return place ? (x - place->x).dot(place->normal) : distance;
+  const auto exact = exact_foot(*surface_, foot.triangle, foot.point, x);
+  return exact ? (x - exact->x).dot(exact->normal) : distance;
 }
 
 void CadBody::each_facet_in_cell(const UseFacet& use) const {
   for (int t = 0; t < static_cast<int>(num_facets()); ++t)
-    each_piece_of_triangle(surface_->flat, t, [&](const Index3& cell, const SurfacePolygon& piece) {
-      use(cell, surface_->flat.patch(t), piece.x.data(), piece.n);
+    each_cell_of_triangle(surface_->flat, t, [&](const Index3& cell, const SurfacePolygon& polygon) {
+      use(cell, surface_->flat.patch(t), polygon.x.data(), polygon.n);
     });
 }
 
@@ -284,24 +284,24 @@ std::optional<Solid> combine_cad(BooleanOp::Kind op, const Solid& a, const Solid
   const Vec3 none = Vec3::Zero();
   const double to_mm = 1 / metres_per_unit, radius = 2 * to_mm * (high - low).norm();
   const Vec3 centre = to_mm * (low + high) / 2;
-  const auto operand = [&](const Solid& solid, const CadBody* cad, Similarity& place) {
-    place = {};
+  const auto operand = [&](const Solid& solid, const CadBody* cad, Similarity& placement) {
+    placement = {};
     if (!cad) {
       const Solid large = solid.transformed(same, none, to_mm);
       return model_of(*as_csg(large), centre, radius);
     }
     Similarity enlarge;
     enlarge.scale = to_mm;
-    place = enlarge.after(cad->placement());
+    placement = enlarge.after(cad->placement());
     return cad->model();
   };
-  Similarity place_a, place_b;
-  const CadModel first = operand(a, cad_a, place_a), second = operand(b, cad_b, place_b);
+  Similarity placement_a, placement_b;
+  const CadModel first = operand(a, cad_a, placement_a), second = operand(b, cad_b, placement_b);
   const CadModel::Operation operation = op == BooleanOp::Kind::unite       ? CadModel::Operation::unite
                                         : op == BooleanOp::Kind::intersect ? CadModel::Operation::intersect
                                                                            : CadModel::Operation::subtract;
-  return Solid(std::make_shared<CadBody>(CadModel::combine(operation, first, place_a, second, place_b), metres_per_unit,
-                                         cell_size));
+  return Solid(std::make_shared<CadBody>(CadModel::combine(operation, first, placement_a, second, placement_b),
+                                         metres_per_unit, cell_size));
 }
 
 }  // namespace cgcontact

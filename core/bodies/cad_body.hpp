@@ -50,7 +50,7 @@ class CadBody final : public BodyGeometry {
                                          const LeafLevel& leaves) const override;
   void boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,
                        int order, int owner, BoundaryPoints& points) const override;
-  CellEstimate estimate_cells(const Grid& grid, double most_cells) const override;
+  CellEstimate estimate_cells(const Grid& grid, double max_cells) const override;
 
   std::size_t num_facets() const override { return surface_->flat.triangles().size(); }
   std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,

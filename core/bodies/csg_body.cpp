@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/base/errors.hpp"
-#include "core/bodies/cell_pieces.hpp"
+#include "core/bodies/cell_facets.hpp"
 #include "core/cells/cell_sweep.hpp"
 #include "core/cells/grid.hpp"
 
@@ -98,16 +98,17 @@ namespace {
 
 /// The largest cells, of halves of halves, that no more surfaces cross than can.
 std::string remedy(const CsgBody& body, const Grid& grid, const Vec3& corner) {
-  constexpr int most_parts = 16;
-  for (int parts = 2; parts <= most_parts; parts *= 2) {
+  constexpr int max_division = 16;
+  for (int division = 2; division <= max_division; division *= 2) {
     bool fits = true;
-    const Vec3 half = Vec3::Constant(0.5 / parts);
-    for (int n = 0; n < parts * parts * parts && fits; ++n) {
-      const Vec3 place = corner + Vec3(n % parts, n / parts % parts, n / (parts * parts)) / parts + half;
+    const Vec3 half = Vec3::Constant(0.5 / division);
+    for (int n = 0; n < division * division * division && fits; ++n) {
+      const Vec3 centre =
+          corner + Vec3(n % division, n / division % division, n / (division * division)) / division + half;
       fits = std::count_if(body.surfaces().begin(), body.surfaces().end(),
-                           [&](const Surface& s) { return side_of_box(s, place, half) < 0; }) <= max_table_bits;
+                           [&](const Surface& s) { return side_of_box(s, centre, half) < 0; }) <= max_table_bits;
     }
-    if (fits) return fmt::format("a cell_size of {:.3g} m or less", grid.cell_size / parts);
+    if (fits) return fmt::format("a cell_size of {:.3g} m or less", grid.cell_size / division);
   }
   return "fewer shapes that meet in one point; smaller cells do not help";
 }
@@ -374,8 +375,8 @@ void CsgBody::boundary_points(const Index3& cell, const std::vector<char>& selec
   cell_boundary_points(*this, local, cell, selected, dividers, order, owner, points);
 }
 
-CellEstimate CsgBody::estimate_cells(const Grid& grid, double most_cells) const {
-  return estimate_by_coarse_cells(*this, grid, most_cells);
+CellEstimate CsgBody::estimate_cells(const Grid& grid, double max_cells) const {
+  return estimate_by_coarse_cells(*this, grid, max_cells);
 }
 
 const CsgBody* as_csg(const Solid& solid) { return dynamic_cast<const CsgBody*>(&solid.geometry()); }

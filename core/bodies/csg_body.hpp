@@ -61,7 +61,7 @@ class CsgBody final : public BodyGeometry {
                                          const LeafLevel& leaves) const override;
   void boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,
                        int order, int owner, BoundaryPoints& points) const override;
-  CellEstimate estimate_cells(const Grid& grid, double most_cells) const override;
+  CellEstimate estimate_cells(const Grid& grid, double max_cells) const override;
 
   bool has_endless_surfaces() const override { return true; }
   bool is_inside(const std::vector<char>& inner_side, const std::vector<int>&, const Vec3&) const override {

@@ -10,8 +10,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double same_slope = 1e-9;  // of graphs: the first axis counts, whatever the rounding
-constexpr double same_place = 1e-9;  // cells; the middle of a leaf and of the solid
+constexpr double same_slope = 1e-9;     // of graphs: the first axis counts, whatever the rounding
+constexpr double same_position = 1e-9;  // cells; the middle of a leaf and of the solid
 constexpr double same_quadric = 1e-14;
 constexpr double same_axis = 1e-12;  // of two surfaces of revolution: rounding of what a scene computes
 constexpr double min_slope = 0.3;    // least |component of the unit normal| along the axis of a graph
@@ -97,7 +97,7 @@ int rim_plane(const Vec3& axis, const Quadric& graph, double width, Quadric& f) 
       !((rest.g - b * axis).norm() < same_axis * slope))
     return 0;
   const double low = width * axis.cwiseMin(0.0).sum(), high = width * axis.cwiseMax(0.0).sum();
-  const double margin = same_place * width;
+  const double margin = same_position * width;
   double roots[2], root = 0;
   int inside = 0;
   const int count = quadratic_roots(a, b, rest.c, roots);
@@ -191,7 +191,7 @@ Leaf::Frame Leaf::frame(int along) const {
   Frame frame{Mat3::Zero(), corner};
   for (int k = 0; k < 3; ++k) {
     const int d = (along + 1 + k) % 3;
-    const bool turned = k < 2 && corner[d] + 0.5 * width > middle[d] + same_place;
+    const bool turned = k < 2 && corner[d] + 0.5 * width > middle[d] + same_position;
     frame.axes(d, k) = turned ? -1 : 1;
     if (turned) frame.origin[d] += width;
   }
@@ -215,7 +215,7 @@ Region face_region(const Leaf& leaf, int axis) {
   return region;
 }
 
-Piece::Piece(const Leaf& leaf, int i)
+LeafFacet::LeafFacet(const Leaf& leaf, int i)
     : leaf_(leaf),
       index_(i),
       axis_(leaf.axis[i]),
@@ -227,7 +227,7 @@ Piece::Piece(const Leaf& leaf, int i)
   region_.width = leaf.width;
   region_.predicate.table = &leaf.local.table;
   region_.predicate.surface_mask = leaf.local.table.size() - 1;
-  region_.predicate.piece = std::uint64_t{1} << i;
+  region_.predicate.facet = std::uint64_t{1} << i;
   region_.predicate.lower = lower_bit;
   region_.predicate.upper = upper_bit;
   add_ownership();
@@ -245,7 +245,7 @@ Piece::Piece(const Leaf& leaf, int i)
   add_dividers();
 }
 
-void Piece::add_ownership() {
+void LeafFacet::add_ownership() {
   for (const std::uint64_t bit : {lower_bit, upper_bit}) {
     Vec3 corner = frame_.origin;
     if (bit == upper_bit) corner[axis_] += leaf_.width;
@@ -256,7 +256,7 @@ void Piece::add_ownership() {
   }
 }
 
-void Piece::add_trims() {
+void LeafFacet::add_trims() {
   for (std::size_t j = 0; j < leaf_.local.surfaces.size(); ++j) {
     if (static_cast<int>(j) == index_) continue;
     const Surface& other = leaf_.solid->surfaces()[leaf_.local.surfaces[j]];
@@ -277,7 +277,7 @@ void Piece::add_trims() {
   }
 }
 
-void Piece::add_dividers() {
+void LeafFacet::add_dividers() {
   for (std::size_t d = 0; d < leaf_.dividers.size(); ++d) {
     const Plane& plane = leaf_.dividers[d];
     if (!plane.divides(leaf_.local.surfaces[index_])) continue;
@@ -296,7 +296,7 @@ void Piece::add_dividers() {
   }
 }
 
-SurfacePoint Piece::at(double s, double t) const {
+SurfacePoint LeafFacet::at(double s, double t) const {
   if (is_plane())
     return {base_ + s * along_s_ + t * along_t_, surface_.direction, 1 / std::abs(surface_.direction[axis_])};
   const Vec3 x = frame_.origin + frame_.axes * Vec3(s, t, region_.graph.height(s, t));

@@ -1,5 +1,5 @@
 /// A cell is cut into leaves (usually one: the cell itself) in which every curved surface is a graph over a face;
-/// pieces of surfaces and faces of leaves become regions of a square.
+/// facets of surfaces and faces of leaves become regions of a square.
 #pragma once
 
 #include <functional>
@@ -43,11 +43,11 @@ struct SurfacePoint {
   double stretch;  ///< area of the surface per area of the square
 };
 
-/// The piece of the i-th local surface that lies in the leaf and on the body's boundary, as a region of the square
+/// The facet of the i-th local surface that lies in the leaf and on the body's boundary, as a region of the square
 /// across the surface's axis.
-class Piece {
+class LeafFacet {
  public:
-  Piece(const Leaf& leaf, int i);
+  LeafFacet(const Leaf& leaf, int i);
   bool is_plane() const { return surface_.kind == Surface::Kind::plane; }
   bool is_cone() const { return surface_.kind == Surface::Kind::cone; }
   int axis() const { return axis_; }

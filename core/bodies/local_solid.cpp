@@ -18,13 +18,13 @@ int side_of_interval(double min, double max) {
 }
 
 std::string too_many_surfaces(const CsgBody& solid, const std::vector<int>& surfaces) {
-  constexpr std::size_t most_names = 8;
+  constexpr std::size_t max_names = 8;
   std::string names;
   std::size_t count = 0;
   for (const int s : surfaces)
     for (const std::string& name : solid.surfaces()[s].names)
-      if (++count <= most_names) names += (names.empty() ? "" : ", ") + name;
-  if (count > most_names) names += fmt::format(" and {} more", count - most_names);
+      if (++count <= max_names) names += (names.empty() ? "" : ", ") + name;
+  if (count > max_names) names += fmt::format(" and {} more", count - max_names);
   return fmt::format("{} surfaces meet in one cell, {} can: {}", surfaces.size(), max_table_bits, names);
 }
 

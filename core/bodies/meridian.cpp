@@ -115,23 +115,23 @@ double area_of(const std::vector<CadModel::SectionEdge>& line) {
   return std::abs(twice) / 2;
 }
 
-/// Places along an edge, its end left out.
-std::vector<Vec2> places_along(const CadModel::SectionEdge& edge) {
+/// Points along an edge, its end left out.
+std::vector<Vec2> points_along(const CadModel::SectionEdge& edge) {
   constexpr int chords = 256;
   const auto arc = edge.is_arc ? arc_through(edge.from, edge.through, edge.to) : std::nullopt;
   if (!arc) return {edge.from};
   const Vec2& centre = arc->circle.centre;
-  std::vector<Vec2> places;
+  std::vector<Vec2> points;
   for (int k = 0; k < chords; ++k)
-    places.push_back(centre + Eigen::Rotation2Dd(arc->turn * k / chords) * (edge.from - centre));
-  return places;
+    points.push_back(centre + Eigen::Rotation2Dd(arc->turn * k / chords) * (edge.from - centre));
+  return points;
 }
 
 /// Volume of what a closed line goes round, turned about the axis, mm^3: arcs as chords, to 1e-5.
 double volume_around(const std::vector<CadModel::SectionEdge>& line) {
   std::vector<Vec2> polygon;
   for (const auto& edge : line)
-    for (const Vec2& x : places_along(edge)) polygon.push_back(x);
+    for (const Vec2& x : points_along(edge)) polygon.push_back(x);
   double sum = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Vec2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
@@ -140,7 +140,7 @@ double volume_around(const std::vector<CadModel::SectionEdge>& line) {
   return std::abs(sum);
 }
 
-/// The same with the names of a body's faces in the place of their numbers; -1: the axis, "": the ends of the prism.
+/// The same with the names of a body's faces instead of their numbers; -1: the axis, "": the ends of the prism.
 Solid with_names_of(const BodyGeometry& body, const Solid& section) {
   const CsgBody& of_numbers = *as_csg(section);
   std::vector<Surface> surfaces = of_numbers.surfaces();
@@ -161,13 +161,13 @@ Solid with_names_of(const BodyGeometry& body, const Solid& section) {
   return Solid(std::make_shared<CsgBody>(std::move(surfaces), of_numbers.expression(), hull_of(min, max)));
 }
 
-/// The section of a CAD solid as a profile: lines of less area lie in the larger ones, as holes or parts in holes.
+/// The section of a CAD solid as a profile: lines of less area lie in the larger ones, as holes or islands in holes.
 Solid section_of(const CadBody& body, const HalfPlane& plane) {
-  const Similarity& place = body.placement();
+  const Similarity& placement = body.placement();
   const auto into_model = [&](const Vec3& x) {
-    return Vec3(place.rotation.transpose() * (x - place.translation) / place.scale);
+    return Vec3(placement.rotation.transpose() * (x - placement.translation) / placement.scale);
   };
-  const auto direction = [&](const Vec3& d) { return Vec3(place.rotation.transpose() * d); };
+  const auto direction = [&](const Vec3& d) { return Vec3(placement.rotation.transpose() * d); };
   const ProfileFrame in_model{into_model(Vec3::Zero()), direction(plane.away), direction(plane.along)};
   auto lines = body.model().section(in_model);
   if (lines.empty()) throw InputError(std::string("the half-plane does not meet the body"));
@@ -178,14 +178,14 @@ Solid section_of(const CadBody& body, const HalfPlane& plane) {
   for (const auto& line : lines) {
     std::vector<ProfileEdge> profile;
     for (const auto& edge : line)
-      profile.push_back({place.scale * edge.from, place.scale * edge.to, std::to_string(edge.face), edge.is_arc != 0,
-                         place.scale * edge.through});
-    const Solid part = extruded(profile, frame, 2 * half_thickness_of_meridian, "", "");
+      profile.push_back({placement.scale * edge.from, placement.scale * edge.to, std::to_string(edge.face),
+                         edge.is_arc != 0, placement.scale * edge.through});
+    const Solid prism = extruded(profile, frame, 2 * half_thickness_of_meridian, "", "");
     const Vec2 middle =
         profile.front().is_arc ? profile.front().through : Vec2((profile.front().from + profile.front().to) / 2);
     const bool is_hole = result && result->contains(middle[0] * plane.away + middle[1] * plane.along);
     volume += (is_hole ? -1 : 1) * volume_around(line);
-    result = !result ? part : is_hole ? Solid::subtract(*result, part) : Solid::unite(*result, part);
+    result = !result ? prism : is_hole ? Solid::subtract(*result, prism) : Solid::unite(*result, prism);
   }
   constexpr double same_volume = 1e-4;
   if (const double whole = body.model().volume(); !(std::abs(volume - whole) <= same_volume * whole))

@@ -14,13 +14,13 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double same = 1e-12;          // lengths relative to the profile: rounding of what the scene computes
-constexpr double widest_part = pi / 3;  // of an arc: its triangle of tangents is flat
-constexpr int most_divisions = 6;       // of arcs that come near to something, in halves
-constexpr int tangents_around = 128;    // of the polygon that bounds an arc: 3e-4 of its radius
+constexpr double same = 1e-12;         // lengths relative to the profile: rounding of what the scene computes
+constexpr double widest_arc = pi / 3;  // angle of one segment: its triangle of tangents is flat
+constexpr int max_divisions = 6;       // of arcs that come near to something, in halves
+constexpr int tangents_around = 128;   // of the polygon that bounds an arc: 3e-4 of its radius
 
-/// A line, or a part of an arc, from `a` to `b`.
-struct Part {
+/// A line, or a segment of an arc, from `a` to `b`.
+struct EdgeSegment {
   Vec2 a, b;
   int edge = 0;                  ///< of the profile
   std::optional<Circle> circle;  ///< of an arc
@@ -32,8 +32,8 @@ struct Part {
   }
   /// Where the tangents at both ends meet.
   Vec2 tip() const { return circle->centre + (at(0.5) - circle->centre) / std::cos(0.5 * turn); }
-  Part part(double begin, double end) const {
-    Part result = *this;
+  EdgeSegment between(double begin, double end) const {
+    EdgeSegment result = *this;
     result.a = begin == 0 ? a : at(begin);
     result.b = end == 1 ? b : at(end);
     result.turn = (end - begin) * turn;
@@ -43,18 +43,18 @@ struct Part {
   std::vector<Vec2> hull() const { return circle ? std::vector<Vec2>{a, b, tip()} : std::vector<Vec2>{a, b}; }
 };
 
-Part part_of(const ProfileEdge& edge, int number, double size) {
-  Part part{edge.from, edge.to, number, std::nullopt, 0};
+EdgeSegment segment_of(const ProfileEdge& edge, int number, double size) {
+  EdgeSegment segment{edge.from, edge.to, number, std::nullopt, 0};
   if ((edge.to - edge.from).norm() <= same * size) throw InputError(fmt::format("edge {} has no length", number + 1));
-  if (!edge.is_arc) return part;
+  if (!edge.is_arc) return segment;
   const auto arc = arc_through(edge.from, edge.through, edge.to, same * size * size);
   if (!arc) throw InputError(fmt::format("edge {}: the three points of the arc lie on a line", number + 1));
-  part.circle = arc->circle;
-  part.turn = arc->turn;
-  return part;
+  segment.circle = arc->circle;
+  segment.turn = arc->turn;
+  return segment;
 }
 
-/// Do two convex polygons meet or touch?
+/// Returns whether two convex polygons meet or touch.
 bool meet(const std::vector<Vec2>& p, const std::vector<Vec2>& q) {
   for (const auto* polygon : {&p, &q})
     for (std::size_t i = 0; i < polygon->size(); ++i) {
@@ -76,7 +76,7 @@ bool meet(const std::vector<Vec2>& p, const std::vector<Vec2>& q) {
   return true;
 }
 
-/// A closed profile, counterclockwise, in parts whose triangles of tangents do not meet.
+/// A closed profile, counterclockwise, in segments whose triangles of tangents do not meet.
 class Outline {
  public:
   explicit Outline(const std::vector<ProfileEdge>& profile) {
@@ -88,25 +88,25 @@ class Outline {
     for (std::size_t k = 0; k < profile.size(); ++k) {
       if ((profile[k].to - profile[(k + 1) % profile.size()].from).norm() > same * size_)
         throw InputError(std::string("a profile must be closed"));
-      const Part whole = part_of(profile[k], static_cast<int>(k), size_);
-      const int pieces = whole.circle ? static_cast<int>(std::ceil(std::abs(whole.turn) / widest_part)) : 1;
-      for (int i = 0; i < pieces; ++i) parts_.push_back(whole.part(double(i) / pieces, double(i + 1) / pieces));
+      const EdgeSegment whole = segment_of(profile[k], static_cast<int>(k), size_);
+      const int count = whole.circle ? static_cast<int>(std::ceil(std::abs(whole.turn) / widest_arc)) : 1;
+      for (int i = 0; i < count; ++i) segments_.push_back(whole.between(double(i) / count, double(i + 1) / count));
     }
-    for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].b = parts_[(k + 1) % parts_.size()].a;
+    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].b = segments_[(k + 1) % segments_.size()].a;
     separate();
     orient();
   }
 
-  const std::vector<Part>& parts() const { return parts_; }
+  const std::vector<EdgeSegment>& segments() const { return segments_; }
   double size() const { return size_; }
   /// Points whose convex hull contains it, little larger than its own.
   std::vector<Vec2> bounds() const {
     std::vector<Vec2> points;
-    for (const Part& part : parts_) {
-      points.push_back(part.a);
-      if (!part.circle) continue;
-      const int pieces = static_cast<int>(std::ceil(tangents_around * std::abs(part.turn) / (2 * pi)));
-      for (int i = 0; i < pieces; ++i) points.push_back(part.part(double(i) / pieces, double(i + 1) / pieces).tip());
+    for (const EdgeSegment& segment : segments_) {
+      points.push_back(segment.a);
+      if (!segment.circle) continue;
+      const int count = static_cast<int>(std::ceil(tangents_around * std::abs(segment.turn) / (2 * pi)));
+      for (int i = 0; i < count; ++i) points.push_back(segment.between(double(i) / count, double(i + 1) / count).tip());
     }
     return points;
   }
@@ -114,43 +114,44 @@ class Outline {
  private:
   /// Divides arcs until nothing meets but at common ends.
   void separate() {
-    for (int division = 0; division <= most_divisions; ++division) {
-      std::vector<char> divide(parts_.size(), 0);
-      const std::size_t n = parts_.size();
+    for (int division = 0; division <= max_divisions; ++division) {
+      std::vector<char> divide(segments_.size(), 0);
+      const std::size_t n = segments_.size();
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j) {
           const bool neighbours = j == i + 1 || (i == 0 && j == n - 1);
-          if (neighbours || !meet(parts_[i].hull(), parts_[j].hull())) continue;
-          if ((!parts_[i].circle && !parts_[j].circle) || division == most_divisions)
+          if (neighbours || !meet(segments_[i].hull(), segments_[j].hull())) continue;
+          if ((!segments_[i].circle && !segments_[j].circle) || division == max_divisions)
             throw InputError(fmt::format("edges {} and {} cross, touch or come too near to each other",
-                                         parts_[i].edge + 1, parts_[j].edge + 1));
-          divide[i] = parts_[i].circle.has_value();
-          divide[j] = parts_[j].circle.has_value();
+                                         segments_[i].edge + 1, segments_[j].edge + 1));
+          divide[i] = segments_[i].circle.has_value();
+          divide[j] = segments_[j].circle.has_value();
         }
-      std::vector<Part> finer;
+      std::vector<EdgeSegment> finer;
       for (std::size_t i = 0; i < n; ++i) {
-        if (divide[i]) finer.push_back(parts_[i].part(0, 0.5));
-        finer.push_back(divide[i] ? parts_[i].part(0.5, 1) : parts_[i]);
+        if (divide[i]) finer.push_back(segments_[i].between(0, 0.5));
+        finer.push_back(divide[i] ? segments_[i].between(0.5, 1) : segments_[i]);
       }
       if (finer.size() == n && n >= 3) return;
       if (finer.size() == n) throw InputError(std::string("a profile must have an area"));
-      parts_ = std::move(finer);
+      segments_ = std::move(finer);
     }
   }
 
   void orient() {
     double area = 0;  // of the polygon of chords: it has the sign of the whole
-    for (const Part& part : parts_) area += cross(part.a - parts_[0].a, part.b - parts_[0].a) / 2;
+    for (const EdgeSegment& segment : segments_)
+      area += cross(segment.a - segments_[0].a, segment.b - segments_[0].a) / 2;
     if (std::abs(area) <= same * size_ * size_) throw InputError(std::string("a profile must have an area"));
     if (area > 0) return;
-    std::reverse(parts_.begin(), parts_.end());
-    for (Part& part : parts_) {
-      std::swap(part.a, part.b);
-      part.turn = -part.turn;
+    std::reverse(segments_.begin(), segments_.end());
+    for (EdgeSegment& segment : segments_) {
+      std::swap(segment.a, segment.b);
+      segment.turn = -segment.turn;
     }
   }
 
-  std::vector<Part> parts_;
+  std::vector<EdgeSegment> segments_;
   double size_ = 0;
 };
 
@@ -250,7 +251,7 @@ class Revolution final : public Lift {
 };
 
 /// Turns an outline into a boolean expression: its convex hull without the pockets, which are polygons again; at arcs
-/// the segments of their circles are added or taken away.
+/// the caps between circle and chord are added or taken away.
 class Assembly {
  public:
   Assembly(const Outline& outline, const std::vector<ProfileEdge>& profile, const Lift& lift)
@@ -258,26 +259,26 @@ class Assembly {
 
   CsgBody body() const {
     std::vector<Corner> corners;
-    for (const Part& part : outline_.parts()) corners.push_back({part.a, &part});
+    for (const EdgeSegment& segment : outline_.segments()) corners.push_back({segment.a, &segment});
     CsgBody result = *polygon(corners);
     for (const double sign : {1.0, -1.0})  // first what arcs add
-      for (const Part& part : outline_.parts()) {
-        if (!part.circle || part.turn * sign < 0) continue;
-        const CsgBody disc = lift_.disc(*part.circle, {profile_[part.edge].face});
-        const auto chord = lift_.left_of(part.a, part.b, {});
+      for (const EdgeSegment& segment : outline_.segments()) {
+        if (!segment.circle || segment.turn * sign < 0) continue;
+        const CsgBody disc = lift_.disc(*segment.circle, {profile_[segment.edge].face});
+        const auto chord = lift_.left_of(segment.a, segment.b, {});
         if (!chord) continue;
-        const CsgBody segment = combined(disc, *chord, sign > 0 ? Op::subtract : Op::intersect);
-        result = combined(result, segment, sign > 0 ? Op::unite : Op::subtract);
+        const CsgBody cap = combined(disc, *chord, sign > 0 ? Op::subtract : Op::intersect);
+        result = combined(result, cap, sign > 0 ? Op::unite : Op::subtract);
       }
     return result;
   }
 
  private:
   using Op = BooleanOp::Kind;
-  /// A corner, and the part that goes on from there (none: a line that closes a pocket).
+  /// A corner, and the segment that goes on from there (none: a line that closes a pocket).
   struct Corner {
     Vec2 x;
-    const Part* part;
+    const EdgeSegment* segment;
   };
 
   static CsgBody combined(const CsgBody& a, const CsgBody& b, Op kind) { return {a, b, kind}; }
@@ -323,10 +324,11 @@ class Assembly {
     for (std::size_t k = 0; k < on_hull.size(); ++k) {
       const int i = on_hull[k], j = on_hull[(k + 1) % on_hull.size()];
       const bool is_edge = (i + 1) % n == j;
-      const Part* const part = is_edge ? corners[i].part : nullptr;
-      const bool has_face = part && !part->circle;
-      intersect(left_of(part, corners[i].x, corners[j].x,
-                        has_face ? std::vector<std::string>{profile_[part->edge].face} : std::vector<std::string>{}));
+      const EdgeSegment* const segment = is_edge ? corners[i].segment : nullptr;
+      const bool has_face = segment && !segment->circle;
+      intersect(
+          left_of(segment, corners[i].x, corners[j].x,
+                  has_face ? std::vector<std::string>{profile_[segment->edge].face} : std::vector<std::string>{}));
       if (!is_edge) pockets.push_back(pocket(corners, i, j));
     }
     for (const std::vector<Corner>& corners_of_pocket : pockets)
@@ -335,12 +337,12 @@ class Assembly {
   }
 
   /// What is refused is said with the number of the edge.
-  std::optional<CsgBody> left_of(const Part* part, const Vec2& a, const Vec2& b,
+  std::optional<CsgBody> left_of(const EdgeSegment* segment, const Vec2& a, const Vec2& b,
                                  const std::vector<std::string>& names) const {
     try {
       return lift_.left_of(a, b, names);
     } catch (const InputError& error) {
-      throw InputError((part ? fmt::format("edge {}: ", part->edge + 1) : "across a pocket: ") + error.what());
+      throw InputError((segment ? fmt::format("edge {}: ", segment->edge + 1) : "across a pocket: ") + error.what());
     }
   }
 
@@ -348,7 +350,7 @@ class Assembly {
   static std::vector<Corner> pocket(const std::vector<Corner>& corners, int i, int j) {
     const int n = static_cast<int>(corners.size());
     std::vector<Corner> result{{corners[i].x, nullptr}};
-    for (int k = j; k != i; k = (k + n - 1) % n) result.push_back({corners[k].x, corners[(k + n - 1) % n].part});
+    for (int k = j; k != i; k = (k + n - 1) % n) result.push_back({corners[k].x, corners[(k + n - 1) % n].segment});
     return result;
   }
 
@@ -388,9 +390,9 @@ Solid revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& fram
     high = std::max(high, x[1]);
     radius = std::max(radius, x[0]);
   }
-  for (const Part& part : outline.parts())
-    if (part.a[0] < -same * outline.size())
-      throw InputError(fmt::format("edge {} crosses the axis: first coordinates must be >= 0", part.edge + 1));
+  for (const EdgeSegment& segment : outline.segments())
+    if (segment.a[0] < -same * outline.size())
+      throw InputError(fmt::format("edge {} crosses the axis: first coordinates must be >= 0", segment.edge + 1));
   CsgBody::Hull hull;
   hull.points = {frame.origin + low * frame.second, frame.origin + high * frame.second};
   hull.disc_radius = radius;

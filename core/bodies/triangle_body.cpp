@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/base/errors.hpp"
+#include "core/bodies/clipped_triangles.hpp"
 #include "core/bodies/triangle_cells.hpp"
-#include "core/bodies/triangle_pieces.hpp"
 #include "core/cells/grid.hpp"
 
 namespace cgcontact {
@@ -105,8 +105,8 @@ std::shared_ptr<const BodyGeometry> TriangleBody::stretched(int axis, double fac
     const double cosine = std::abs(triangles_->normal(t)[axis]);
     bool prism = cosine < flat_end || cosine > 1 - flat_end;
     for (int k = 0; k < 3; ++k) {
-      const double place = triangles_->corner(t, k)[axis];
-      prism = prism && (place < min[axis] + slack || place > max[axis] - slack || cosine < flat_end);
+      const double x = triangles_->corner(t, k)[axis];
+      prism = prism && (x < min[axis] + slack || x > max[axis] - slack || cosine < flat_end);
     }
     if (!prism) {
       const Vec3& x = triangles_->corner(t, 0);
@@ -143,17 +143,17 @@ void TriangleBody::boundary_points(const Index3& cell, const std::vector<char>& 
                            order, owner, points);
 }
 
-CellEstimate TriangleBody::estimate_cells(const Grid& grid, double most_cells) const {
-  return estimate_triangle_cells(*triangles_, grid, most_cells);
+CellEstimate TriangleBody::estimate_cells(const Grid& grid, double max_cells) const {
+  return estimate_triangle_cells(*triangles_, grid, max_cells);
 }
 
-double TriangleBody::facet_width(const Vec3& x, double least_angle) const {
+double TriangleBody::facet_width(const Vec3& x, double min_angle) const {
   const int triangle = triangles_->nearest(x).triangle;
   double widest = 0;
   for (int k = 0; k < 3; ++k) {
     const int other = triangles_->neighbour(triangle, k);
     if (other < 0 || triangles_->patch(other) != triangles_->patch(triangle)) continue;
-    if (triangles_->normal(triangle).dot(triangles_->normal(other)) > std::cos(least_angle)) continue;
+    if (triangles_->normal(triangle).dot(triangles_->normal(other)) > std::cos(min_angle)) continue;
     int edge = 0;
     while (edge < 2 && triangles_->neighbour(other, edge) != triangle) ++edge;
     widest = std::max(widest, std::min(width(*triangles_, triangle, k), width(*triangles_, other, edge)));
@@ -193,8 +193,8 @@ std::vector<Surface> TriangleBody::surfaces_alone() const {
 
 void TriangleBody::each_facet_in_cell(const UseFacet& use) const {
   for (int t = 0; t < static_cast<int>(num_facets()); ++t)
-    each_piece_of_triangle(*triangles_, t, [&](const Index3& cell, const SurfacePolygon& piece) {
-      use(cell, triangles_->patch(t), piece.x.data(), piece.n);
+    each_cell_of_triangle(*triangles_, t, [&](const Index3& cell, const SurfacePolygon& polygon) {
+      use(cell, triangles_->patch(t), polygon.x.data(), polygon.n);
     });
 }
 

@@ -28,10 +28,10 @@ class TriangleBody final : public BodyGeometry {
                                          const LeafLevel& leaves) const override;
   void boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,
                        int order, int owner, BoundaryPoints& points) const override;
-  CellEstimate estimate_cells(const Grid& grid, double most_cells) const override;
+  CellEstimate estimate_cells(const Grid& grid, double max_cells) const override;
 
   std::size_t num_facets() const override { return triangles_->triangles().size(); }
-  double facet_width(const Vec3& x, double least_angle) const override;
+  double facet_width(const Vec3& x, double min_angle) const override;
 
   std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,
                                  const std::vector<int>& candidates) const override;
@@ -44,7 +44,7 @@ class TriangleBody final : public BodyGeometry {
 };
 
 /// Estimates the cells of a body of these triangles.
-CellEstimate estimate_triangle_cells(const TriangleSurface& surface, const Grid& grid, double most_cells);
+CellEstimate estimate_triangle_cells(const TriangleSurface& surface, const Grid& grid, double max_cells);
 /// Returns the patches with a triangle near a cube, ascending.
 std::vector<int> patches_near(const TriangleSurface& surface, const Vec3& centre, double half_size, double slack);
 

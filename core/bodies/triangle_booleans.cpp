@@ -28,11 +28,11 @@ constexpr int far_away = -1;
 /// so that faces coincide as meant.
 constexpr double on_plane = 1e-9;
 
-/// Points of the result nearer than this are one (relative to the size): intersections that rounding has parted.
+/// Points of the result nearer than this are one (relative to the size): intersections that rounding has separated.
 constexpr double one_point = 1e-11;
 
 constexpr double facet_length_in_cells = 0.5, facet_error_in_cells = 1e-3;
-constexpr int most_facets_around = 20000, most_divisions = 7;  // of an icosahedron: 327680 facets
+constexpr int max_facets_around = 20000, max_divisions = 7;  // of an icosahedron: 327680 facets
 
 /// A closed surface; every face carries a number: of its name, or far_away.
 struct Operand {
@@ -110,7 +110,7 @@ Mat3 axes_of(const Solid& solid) {
 }
 
 /// The ball that everything of interest is in.
-struct Place {
+struct BoundingBall {
   Vec3 centre;
   double radius;
 };
@@ -118,7 +118,7 @@ struct Place {
 /// Turns solids into triangles; collects the names of their faces.
 class Faceting {
  public:
-  Faceting(const Place& place, double cell_size) : place_(place), cell_size_(cell_size) {}
+  Faceting(const BoundingBall& around, double cell_size) : ball_(around), cell_size_(cell_size) {}
 
   Operand operand(const Solid& solid, const std::vector<Surface>& planes_of_other) {
     if (const TriangleSurface* triangles = as_triangles(solid))
@@ -142,7 +142,7 @@ class Faceting {
     std::vector<Mesh::Vertex_index> vertex;
     for (Vec3 x : surface.points()) {
       for (const Surface& plane : planes)
-        if (plane.kind == Surface::Kind::plane && std::abs(plane.signed_distance(x)) < on_plane * place_.radius)
+        if (plane.kind == Surface::Kind::plane && std::abs(plane.signed_distance(x)) < on_plane * ball_.radius)
           x -= plane.signed_distance(x) * plane.direction;
       vertex.push_back(result.add(x));
     }
@@ -217,8 +217,8 @@ class Faceting {
   }
 
   Operand everything() const {
-    const double r = 4 * place_.radius;
-    return box_below(place_.centre + r * Vec3::UnitZ(), r * Vec3::UnitX(), r * Vec3::UnitY(), -2 * r * Vec3::UnitZ(),
+    const double r = 4 * ball_.radius;
+    return box_below(ball_.centre + r * Vec3::UnitZ(), r * Vec3::UnitX(), r * Vec3::UnitY(), -2 * r * Vec3::UnitZ(),
                      far_away);
   }
 
@@ -231,10 +231,10 @@ class Faceting {
   }
 
   Operand half_space(const Surface& plane, int face) const {
-    const double distance = plane.signed_distance(place_.centre), length = 2 * (place_.radius + std::abs(distance));
+    const double distance = plane.signed_distance(ball_.centre), length = 2 * (ball_.radius + std::abs(distance));
     const auto [t1, t2] = across(plane.direction);
     // The foot on the plane, beside the centre; along an axis the coordinate of the plane itself.
-    Vec3 foot = place_.centre - distance * plane.direction;
+    Vec3 foot = ball_.centre - distance * plane.direction;
     for (int i = 0; i < 3; ++i)
       if (std::abs(plane.direction[i]) == 1) foot[i] = plane.point[i];
     return box_below(foot, length * t1, length * t2, -2 * length * plane.direction, face);
@@ -247,14 +247,14 @@ class Faceting {
 
   Operand endless_cylinder(const Surface& cylinder, int face) {
     const Vec3& axis = cylinder.direction;
-    const Vec3 foot = cylinder.point + axis.dot(place_.centre - cylinder.point) * axis;
-    const double length = 2 * place_.radius;
+    const Vec3 foot = cylinder.point + axis.dot(ball_.centre - cylinder.point) * axis;
+    const double length = 2 * ball_.radius;
     return round_bar(foot - length * axis, foot + length * axis, axis, cylinder.radius, cylinder.radius, face);
   }
 
   /// Makes the half of a cone that bodies have, as far as it is of interest.
   Operand half_cone(const Surface& cone, int face) {
-    const double middle = height(cone, place_.centre), length = 2 * place_.radius;
+    const double middle = height(cone, ball_.centre), length = 2 * ball_.radius;
     if (middle + length <= 0) return Operand();
     const double low = std::max(0.0, middle - length), high = middle + length, slope = cone.sine / cone.cosine;
     return round_bar(cone.point + low * cone.direction, cone.point + high * cone.direction, cone.direction, low * slope,
@@ -264,7 +264,7 @@ class Faceting {
   /// Facets around an axis between two radii, the first one possibly 0, with ends far away.
   Operand round_bar(const Vec3& begin, const Vec3& end, const Vec3& axis, double first, double second, int face) {
     const int around = static_cast<int>(
-        std::clamp(std::ceil(2 * pi * second / facet_length(second)), 32.0, double(most_facets_around)));
+        std::clamp(std::ceil(2 * pi * second / facet_length(second)), 32.0, double(max_facets_around)));
     error_ = std::max(error_, second * (1 - std::cos(pi / around)));
     const auto [t1, t2] = across(axis);
     Operand bar(2 * around + 2, 4 * around);
@@ -311,13 +311,13 @@ class Faceting {
           triangles.push_back((b - a).cross(c - a).dot(a) > 0 ? Triangle{i, j, k} : Triangle{i, k, j});
         }
     double length = edge * sphere.radius;
-    for (int division = 0; division < 2 || (length > facet_length(sphere.radius) && division < most_divisions);
+    for (int division = 0; division < 2 || (length > facet_length(sphere.radius) && division < max_divisions);
          ++division) {
       std::map<std::pair<int, int>, int> middles;
       const auto middle = [&](int i, int j) {
-        const auto [place, is_new] = middles.try_emplace(std::minmax(i, j), static_cast<int>(points.size()));
+        const auto [entry, is_new] = middles.try_emplace(std::minmax(i, j), static_cast<int>(points.size()));
         if (is_new) points.push_back((points[i] + points[j]).normalized());
-        return place->second;
+        return entry->second;
       };
       std::vector<Triangle> finer;
       for (const auto& [a, b, c] : triangles) {
@@ -339,7 +339,7 @@ class Faceting {
     return result;
   }
 
-  Place place_;
+  BoundingBall ball_;
   double cell_size_;
   std::vector<std::string> names_;
   double error_ = 0;
@@ -379,7 +379,7 @@ Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
   return Solid::bounded_by(make_surface(soup, faces, pi));
 }
 
-Place place_of(const Solid& a, const Solid& b) {
+BoundingBall ball_around(const Solid& a, const Solid& b) {
   const auto [low, high] = box_around(a, b);
   return {0.5 * (low + high), (high - low).norm()};
 }
@@ -389,7 +389,7 @@ Place place_of(const Solid& a, const Solid& b) {
 TriangleBoolean combine_triangles(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size) {
   const Mat3 axes = axes_of(as_triangles(a) ? b : a), back = axes.transpose();
   const Solid turned_a = a.transformed(axes, Vec3::Zero()), turned_b = b.transformed(axes, Vec3::Zero());
-  Faceting faceting(place_of(turned_a, turned_b), cell_size);
+  Faceting faceting(ball_around(turned_a, turned_b), cell_size);
   Operand first = faceting.operand(turned_a, turned_b.surfaces()),
           second = faceting.operand(turned_b, turned_a.surfaces());
   const Solid result = to_solid(combine(op, first, second), faceting.names());

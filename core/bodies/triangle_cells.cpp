@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/base/errors.hpp"
-#include "core/bodies/triangle_pieces.hpp"
+#include "core/bodies/clipped_triangles.hpp"
 #include "core/cells/moments.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 
@@ -27,8 +27,8 @@ using Section = std::array<double, n1 * n1>;
 long long code(const Index3& cell) {
   for (int k = 0; k < 3; ++k)
     if (cell[k] < -most || cell[k] >= most) throw InputError("the body sticks out of its grid");
-  const auto part = [](int c) { return static_cast<long long>(c + most); };
-  return (part(cell[2]) << (2 * bits)) | (part(cell[1]) << bits) | part(cell[0]);
+  const auto shifted = [](int c) { return static_cast<long long>(c + most); };
+  return (shifted(cell[2]) << (2 * bits)) | (shifted(cell[1]) << bits) | shifted(cell[0]);
 }
 
 Index3 decode(long long code) {
@@ -40,19 +40,19 @@ Index3 decode(long long code) {
 /// Degree of the polynomials that are integrated over a flat facet.
 constexpr int full_degree = 3 * moment_degree + 1;
 
-/// Degrees of the rules for a piece of a curved face: polynomials vary less on a piece smaller than its cell. Slivers
+/// Degrees of the rules for a facet of a curved face: polynomials vary less on a facet smaller than its cell. Slivers
 /// are a hundredth of a cell thick.
 struct CurvedDegrees {
-  int piece, sliver;
+  int facet, sliver;
 };
 /// More where the map of a triangle is no linear one.
 constexpr int bend_degrees = 4;
 
-CurvedDegrees curved_degrees(const SurfacePolygon& piece) {
-  Vec3 min = piece.x[0], max = piece.x[0];
-  for (int i = 1; i < piece.n; ++i) {
-    min = min.cwiseMin(piece.x[i]);
-    max = max.cwiseMax(piece.x[i]);
+CurvedDegrees curved_degrees(const SurfacePolygon& polygon) {
+  Vec3 min = polygon.x[0], max = polygon.x[0];
+  for (int i = 1; i < polygon.n; ++i) {
+    min = min.cwiseMin(polygon.x[i]);
+    max = max.cwiseMax(polygon.x[i]);
   }
   const double size = (max - min).maxCoeff();  // cells
   if (size < 0.25) return {7, 5};
@@ -60,22 +60,22 @@ CurvedDegrees curved_degrees(const SurfacePolygon& piece) {
   return {full_degree, 8};
 }
 
-/// Adds up the integrals over the pieces in one cell, several points at a time.
-class PieceIntegrals {
+/// Adds up the integrals over the facets in one cell, several points at a time.
+class FacetIntegrals {
  public:
   /// Without moments only the section is made.
-  PieceIntegrals(const Vec3& corner, bool with_moments) : corner_(corner), with_moments_(with_moments) {
+  FacetIntegrals(const Vec3& corner, bool with_moments) : corner_(corner), with_moments_(with_moments) {
     for (auto& sum : sums_) sum.fill(0);
     for (auto& sum : section_) sum.fill(0);
   }
 
-  void add(const SurfacePolygon& piece, int degree) {
+  void add(const SurfacePolygon& polygon, int degree) {
     const TriangleRule& rule = triangle_rule(degree);
-    for (int k = 1; k + 1 < piece.n; ++k) {
-      const Vec3 u = piece.x[k] - piece.x[0], v = piece.x[k + 1] - piece.x[0];
+    for (int k = 1; k + 1 < polygon.n; ++k) {
+      const Vec3 u = polygon.x[k] - polygon.x[0], v = polygon.x[k + 1] - polygon.x[0];
       const double projection = 2 * (u[1] * v[2] - u[2] * v[1]);  // area in cell coordinates, times n_x
       if (projection == 0) continue;
-      const Vec3 origin = 2 * (piece.x[0] - corner_) - Vec3::Ones();
+      const Vec3 origin = 2 * (polygon.x[0] - corner_) - Vec3::Ones();
       for (std::size_t q = 0; q < rule.weight.size(); ++q) {
         for (int d = 0; d < 3; ++d) xi_[d][filled_] = origin[d] + 2 * (rule.a[q] * u[d] + rule.b[q] * v[d]);
         weight_[filled_] = projection * rule.weight[q];
@@ -129,7 +129,7 @@ class PieceIntegrals {
   std::array<Lanes, n1 * n1> section_;
 };
 
-/// Adds up the integrals over what lies between the pieces in one cell and their images, several points at a time.
+/// Adds up the integrals over what lies between the facets in one cell and their images, several points at a time.
 class SliverIntegrals {
  public:
   SliverIntegrals(const TriangleSurface& surface, const CurvedTriangles& curved, const Vec3& corner)
@@ -137,18 +137,18 @@ class SliverIntegrals {
     for (auto& sum : sums_) sum.fill(0);
   }
 
-  void add(int triangle, const SurfacePolygon& piece, int degree) {
+  void add(int triangle, const SurfacePolygon& polygon, int degree) {
     any_ = true;
-    static thread_local std::vector<TrianglePlace> places;
-    places.clear();
-    add_piece_rule(surface_, triangle, piece, degree, places);
+    static thread_local std::vector<TrianglePoint> points;
+    points.clear();
+    add_clipped_rule(surface_, triangle, polygon, degree, points);
     const GaussRule& across = gauss_rule(sliver_points_across);
     const Vec3& x0 = surface_.corner(triangle, 0);
     const Vec3 u = surface_.corner(triangle, 1) - x0, v = surface_.corner(triangle, 2) - x0;
-    for (const TrianglePlace& at : places) {
-      const CurvedPlace place = curved_.place(triangle, at.a, at.b);
-      const Vec3 flat = x0 + at.a * u + at.b * v, off = place.x - flat;
-      const Vec3 du = place.along_a - u, dv = place.along_b - v;
+    for (const TrianglePoint& at : points) {
+      const CurvedPoint image = curved_.point_at(triangle, at.a, at.b);
+      const Vec3 flat = x0 + at.a * u + at.b * v, off = image.x - flat;
+      const Vec3 du = image.along_a - u, dv = image.along_b - v;
       for (std::size_t q = 0; q < across.node.size(); ++q) {
         const double t = across.node[q];
         const Vec3 xi = 2 * (flat + t * off - corner_) - Vec3::Ones();
@@ -245,7 +245,7 @@ class RowsOfLeaves {
     }
   }
 
-  /// As each_piece_of_triangle asks for it. Cells outside of the grid count as the nearest one inside.
+  /// As each_cell_of_triangle asks for it. Cells outside of the grid count as the nearest one inside.
   int next(int axis, const Index3& cell) const {
     if (all_ || axis == 0) return cell[axis];
     const int last_layer = static_cast<int>(layers_.size()) - 1;
@@ -276,7 +276,7 @@ TriangleCells::TriangleCells(const TriangleSurface& surface, const CurvedTriangl
   const int n = static_cast<int>(surface.triangles().size());
   const RowsOfLeaves rows(leaves, num_cells);
   for (int t = 0; t < n; ++t)
-    each_piece_of_triangle(
+    each_cell_of_triangle(
         surface, t, [&](int axis, const Index3& cell) { return rows.next(axis, cell); },
         [&](const Index3& cell, const SurfacePolygon&) {
           entries_.push_back({code(cell), t});
@@ -292,7 +292,7 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
   std::vector<CellIntegrals>& cells = found.crossed;
   static thread_local std::vector<int> triangles;
   const std::size_t first = cells.size();
-  Section section{};  // of all pieces farther along the row
+  Section section{};  // of all facets farther along the row
   for (std::size_t end = row_begin_[row + 1], begin = end; end > row_begin_[row]; end = begin) {
     const Index3 cell = decode(entries_[end - 1].cell);
     const Vec3 corner(cell[0], cell[1], cell[2]);
@@ -305,19 +305,20 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
     for (int q = 0; q < n1 * n1; ++q) moments[q] = 2 * section[q];
     triangles.clear();
     const bool leaf = leaves_.has(cell);
-    PieceIntegrals integrals(corner, leaf);
+    FacetIntegrals integrals(corner, leaf);
     std::optional<SliverIntegrals> slivers;
     if (curved_ && leaf) slivers.emplace(surface_, *curved_, corner);
     for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
       triangles.push_back(entries_[begin - 1].triangle);
-      const SurfacePolygon piece = piece_in_cell(surface_, triangles.back(), cell);
-      if (piece.n < 3) continue;
+      const SurfacePolygon polygon = clipped_to_cell(surface_, triangles.back(), cell);
+      if (polygon.n < 3) continue;
       if (!slivers || curved_->is_plane(triangles.back())) {
-        integrals.add(piece, full_degree);
+        integrals.add(polygon, full_degree);
       } else {
-        const CurvedDegrees degrees = curved_degrees(piece);
-        integrals.add(piece, degrees.piece);
-        slivers->add(triangles.back(), piece, degrees.sliver + (curved_->is_bent(triangles.back()) ? bend_degrees : 0));
+        const CurvedDegrees degrees = curved_degrees(polygon);
+        integrals.add(polygon, degrees.facet);
+        slivers->add(triangles.back(), polygon,
+                     degrees.sliver + (curved_->is_bent(triangles.back()) ? bend_degrees : 0));
       }
     }
     integrals.finish(moments, section);

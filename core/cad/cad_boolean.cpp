@@ -33,11 +33,11 @@ struct Moved {
   std::vector<TopoDS_Shape> faces;
 };
 
-Moved moved(const CadModel& model, const Similarity& place) {
+Moved moved(const CadModel& model, const Similarity& placement) {
   gp_Trsf motion;
-  const Mat3 m = place.scale * place.rotation;
-  motion.SetValues(m(0, 0), m(0, 1), m(0, 2), place.translation[0], m(1, 0), m(1, 1), m(1, 2), place.translation[1],
-                   m(2, 0), m(2, 1), m(2, 2), place.translation[2]);
+  const Mat3 m = placement.scale * placement.rotation;
+  motion.SetValues(m(0, 0), m(0, 1), m(0, 2), placement.translation[0], m(1, 0), m(1, 1), m(1, 2),
+                   placement.translation[1], m(2, 0), m(2, 1), m(2, 2), placement.translation[2]);
   BRepBuilderAPI_Transform transform(model.shape().solid, motion, true);
   Moved result{transform.Shape(), {}};
   for (int f = 1; f <= model.shape().faces.Extent(); ++f)
@@ -47,10 +47,10 @@ Moved moved(const CadModel& model, const Similarity& place) {
 
 }  // namespace
 
-CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
-                           const Similarity& place_b) {
+CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& placement_a, const CadModel& b,
+                           const Similarity& placement_b) {
   try {
-    const Moved first = moved(a, place_a), second = moved(b, place_b);
+    const Moved first = moved(a, placement_a), second = moved(b, placement_b);
     TopTools_ListOfShape arguments, tools;
     arguments.Append(first.solid);
     tools.Append(second.solid);
@@ -76,7 +76,7 @@ CadModel CadModel::combine(Operation operation, const CadModel& a, const Similar
     CadModel combined = make_cad_model(result);
     const auto take_names = [&](const CadModel& from, const Moved& at) {
       for (std::size_t f = 0; f < from.faces_.size(); ++f) {
-        const TopTools_ListOfShape& parts = work.Modified(at.faces[f]);
+        const TopTools_ListOfShape& modified = work.Modified(at.faces[f]);
         const auto name = [&](const TopoDS_Shape& face) {
           const int number = combined.shape_->faces.FindIndex(face);
           if (number == 0) return;
@@ -85,10 +85,10 @@ CadModel CadModel::combine(Operation operation, const CadModel& a, const Similar
           if (!to.colour) to.colour = from.faces_[f].colour;
           to.names.insert(to.names.end(), from.faces_[f].names.begin(), from.faces_[f].names.end());
         };
-        if (parts.IsEmpty()) {
+        if (modified.IsEmpty()) {
           if (!work.IsDeleted(at.faces[f])) name(at.faces[f]);
         } else {
-          for (const TopoDS_Shape& part : parts) name(part);
+          for (const TopoDS_Shape& changed : modified) name(changed);
         }
       }
     };

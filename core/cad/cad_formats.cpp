@@ -73,16 +73,16 @@ class Document {
   }
 
  private:
-  void walk(const TDF_Label& label, const TopLoc_Location& place, const std::string& instance) {
+  void walk(const TDF_Label& label, const TopLoc_Location& location, const std::string& instance) {
     TDF_Label referred;
     if (XCAFDoc_ShapeTool::GetReferredShape(label, referred)) {
-      walk(referred, place * XCAFDoc_ShapeTool::GetLocation(label), name_of(label));
+      walk(referred, location * XCAFDoc_ShapeTool::GetLocation(label), name_of(label));
       return;
     }
     if (XCAFDoc_ShapeTool::IsAssembly(label)) {
       TDF_LabelSequence components;
       XCAFDoc_ShapeTool::GetComponents(label, components);
-      for (int i = 1; i <= components.Length(); ++i) walk(components.Value(i), place, "");
+      for (int i = 1; i <= components.Length(); ++i) walk(components.Value(i), location, "");
       return;
     }
     const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
@@ -94,7 +94,7 @@ class Document {
     for (const TopoDS_Shape& body : bodies) {
       Found found;
       found.name = product;
-      found.shape = body.Moved(place);
+      found.shape = body.Moved(location);
       TDF_Label own;
       std::optional<std::array<int, 3>> colour_of_solid = colour(label);
       if (bodies.size() > 1 && shapes_->FindSubShape(label, body, own)) {
@@ -108,11 +108,11 @@ class Document {
         std::optional<std::array<int, 3>> given;
         if (shapes_->FindSubShape(label, face, of_face)) {
           const std::string name = name_of(of_face);
-          if (!is_no_name(name)) found.face_names.emplace_back(TopoDS::Face(face.Moved(place)), name);
+          if (!is_no_name(name)) found.face_names.emplace_back(TopoDS::Face(face.Moved(location)), name);
           given = colour(of_face);
         }
         if (!given) given = colour_of_solid;
-        if (given) found.colours.emplace_back(TopoDS::Face(face.Moved(place)), *given);
+        if (given) found.colours.emplace_back(TopoDS::Face(face.Moved(location)), *given);
       }
       parts_.push_back(std::move(found));
     }

@@ -16,8 +16,8 @@ struct CadKernel {
   std::vector<double> (*distances)(const CadModel& model, const std::vector<int>& faces, const Vec3& x);
   void (*pack_triangles)(const CadModel& model, double deflection, Packing& packing);
   CurvedTriangles (*unpack_triangles)(const CadModel& model, const std::vector<char>& bytes);
-  CadModel (*combine)(CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
-                      const Similarity& place_b);
+  CadModel (*combine)(CadModel::Operation operation, const CadModel& a, const Similarity& placement_a,
+                      const CadModel& b, const Similarity& placement_b);
   CadModel (*inner_side)(const Surface& surface, const Vec3& centre, double radius);
   CadModel (*revolved)(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
   /// Lines in no order.

@@ -60,14 +60,14 @@ const CadKernel& kernel() {
 
 // Time limits: OpenCASCADE reads, checks or divides a hundred faces or more in a second of the processor; ten times as
 // long is a hang, found within a minute for a small file.
-constexpr double least_cpu_seconds = 15, cpu_seconds_per_face = 0.1;
-constexpr double least_seconds = 45, seconds_per_face = 0.25;
-constexpr double least_bytes = 4e9, memory_per_face = 1e6;
+constexpr double min_cpu_seconds = 15, cpu_seconds_per_face = 0.1;
+constexpr double min_seconds = 45, seconds_per_face = 0.25;
+constexpr double min_bytes = 4e9, memory_per_face = 1e6;
 constexpr double bytes_per_face = 2500;  // of a STEP file
 
 ChildLimits limits_of(double faces) {
-  return {least_seconds + seconds_per_face * faces, least_cpu_seconds + cpu_seconds_per_face * faces,
-          std::min(least_bytes + memory_per_face * faces, memory_budget().bytes)};
+  return {min_seconds + seconds_per_face * faces, min_cpu_seconds + cpu_seconds_per_face * faces,
+          std::min(min_bytes + memory_per_face * faces, memory_budget().bytes)};
 }
 
 /// Loads the module here, not in the child.
@@ -170,11 +170,11 @@ CurvedTriangles CadModel::triangles(double deflection) const {
               [&](Packing& packing) { kernel().pack_triangles(*this, deflection, packing); });
   return kernel().unpack_triangles(*this, bytes);
 }
-CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
-                           const Similarity& place_b) {
+CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& placement_a, const CadModel& b,
+                           const Similarity& placement_b) {
   const std::vector<char> bytes = guarded(
       "OpenCASCADE cannot combine the solids", limits_of(a.faces_.size() + b.faces_.size()), [&](Packing& packing) {
-        kernel().pack_solids({{"", kernel().combine(operation, a, place_a, b, place_b), "", ""}}, packing);
+        kernel().pack_solids({{"", kernel().combine(operation, a, placement_a, b, placement_b), "", ""}}, packing);
       });
   return kernel().unpack_solids(bytes).front().model;
 }

@@ -50,12 +50,12 @@ Handle(Geom_Surface) plane_along(const gp_Pln& plane, const BRepAdaptor_Surface&
 Handle(Geom_Surface) simple_surface(const TopoDS_Face& face, const BRepAdaptor_Surface& surface) {
   const double tolerance = std::max(Precision::Confusion(), BRep_Tool::Tolerance(face));
   try {
-    const Handle(Geom_Surface) part = new Geom_RectangularTrimmedSurface(
+    const Handle(Geom_Surface) trimmed = new Geom_RectangularTrimmedSurface(
         BRep_Tool::Surface(face), surface.FirstUParameter(), surface.LastUParameter(), surface.FirstVParameter(),
         surface.LastVParameter());
-    const GeomLib_IsPlanarSurface planar(part, tolerance);
+    const GeomLib_IsPlanarSurface planar(trimmed, tolerance);
     if (planar.IsPlanar()) return plane_along(planar.Plan(), surface);
-    ShapeCustom_Surface search(GeomConvert::SurfaceToBSplineSurface(part));
+    ShapeCustom_Surface search(GeomConvert::SurfaceToBSplineSurface(trimmed));
     const Handle(Geom_Surface) found = search.ConvertToAnalytical(tolerance, false);
     const auto plane = Handle(Geom_Plane)::DownCast(found);
     return plane.IsNull() ? found : plane_along(plane->Pln(), surface);

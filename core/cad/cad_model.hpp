@@ -55,8 +55,8 @@ class CadModel {
   /// Boolean operations on two models, each moved to the same space first; the faces keep their names. Throws
   /// InputError if the result is no single body of one or more solids.
   enum class Operation { unite, intersect, subtract };
-  static CadModel combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
-                          const Similarity& place_b);
+  static CadModel combine(Operation operation, const CadModel& a, const Similarity& placement_a, const CadModel& b,
+                          const Similarity& placement_b);
   /// Makes the inner side of a plane, sphere or cylinder, of a cone the half that is in use, within a ball (mm).
   static CadModel inner_side(const Surface& surface, const Vec3& centre, double radius);
   /// Turns a profile (mm) about the second axis of its frame (mm), arcs anywhere; an arc that ends where it begins is a

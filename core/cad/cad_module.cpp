@@ -11,8 +11,8 @@ extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
       [](const CadModel& model, const std::vector<int>& faces, const Vec3& x) { return model.distances(faces, x); },
       pack_triangles,
       unpack_triangles,
-      [](CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
-         const Similarity& place_b) { return CadModel::combine(operation, a, place_a, b, place_b); },
+      [](CadModel::Operation operation, const CadModel& a, const Similarity& placement_a, const CadModel& b,
+         const Similarity& placement_b) { return CadModel::combine(operation, a, placement_a, b, placement_b); },
       [](const Surface& surface, const Vec3& centre, double radius) {
         return CadModel::inner_side(surface, centre, radius);
       },

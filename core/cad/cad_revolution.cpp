@@ -107,32 +107,32 @@ bool is_around(const BRepAdaptor_Surface& surface, const gp_Ax1& axis) {
   }
 }
 
-/// OpenCASCADE's sections of surfaces that are none of its simple ones are splines, a part of their length away from
-/// what they stand for.
+/// OpenCASCADE's sections of surfaces that are none of its simple ones are splines, a fraction of their length away
+/// from what they stand for.
 constexpr double same_curve = 1e-6;
-constexpr int places_along = 8;
+constexpr int samples_along = 8;
 
-/// Tells whether a curve is a line. place: of a part of its parameter, 0 to 1.
-template <class Place>
-bool is_straight(const Place& place) {
-  const Vec2 from = place(0), along = Vec2(place(1)) - from;
+/// Tells whether a curve is a line. point_at: by the fraction of its parameter, 0 to 1.
+template <class PointAt>
+bool is_straight(const PointAt& point_at) {
+  const Vec2 from = point_at(0), along = Vec2(point_at(1)) - from;
   const double length = along.norm();
-  for (int k = 1; k < places_along; ++k) {
-    const Vec2 x = Vec2(place(double(k) / places_along)) - from;
+  for (int k = 1; k < samples_along; ++k) {
+    const Vec2 x = Vec2(point_at(double(k) / samples_along)) - from;
     if (!(std::abs(cross(along, x)) <= same_curve * length * length)) return false;
   }
   return length > 0;
 }
 
 /// Tells whether it is an arc of the circle through three of its points. precision: mm, of the section's own points.
-template <class Place>
-bool is_round(const Place& place, double precision) {
-  const Vec2 from = place(0), through = place(0.25), to = place(0.625);
+template <class PointAt>
+bool is_round(const PointAt& point_at, double precision) {
+  const Vec2 from = point_at(0), through = point_at(0.25), to = point_at(0.625);
   const auto arc = arc_through(from, through, to);
   if (!arc) return false;
   const double tolerance = same_curve * std::max((through - from).norm(), (to - from).norm()) + precision;
-  for (int k = 0; k <= places_along; ++k)
-    if (const Vec2 x = place(double(k) / places_along);
+  for (int k = 0; k <= samples_along; ++k)
+    if (const Vec2 x = point_at(double(k) / samples_along);
         !(std::abs((x - arc->circle.centre).norm() - arc->circle.radius) <= tolerance))
       return false;
   return true;
@@ -167,10 +167,10 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
       TopoDS_Shape face;
       int number = section.HasAncestorFaceOn1(edge, face) ? faces.FindIndex(face) : 0;
       const double first = curve.FirstParameter(), last = curve.LastParameter();
-      const auto place = [&](double part) { return at(curve.Value(first + part * (last - first))); };
-      const bool is_line = curve.GetType() == GeomAbs_Line || is_straight(place);
+      const auto point_at = [&](double fraction) { return at(curve.Value(first + fraction * (last - first))); };
+      const bool is_line = curve.GetType() == GeomAbs_Line || is_straight(point_at);
       const bool is_arc =
-          !is_line && (curve.GetType() == GeomAbs_Circle || is_round(place, BRep_Tool::Tolerance(edge)));
+          !is_line && (curve.GetType() == GeomAbs_Circle || is_round(point_at, BRep_Tool::Tolerance(edge)));
       if (!is_line && !is_arc)
         throw InputError(fmt::format("{} has a section that is neither a line nor an arc",
                                      number > 0 ? cad_face_text(model.faces()[number - 1], number) : "a face"));
@@ -181,10 +181,10 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
         const std::vector<double> distances = model.distances(all, Vec3(x.X(), x.Y(), x.Z()));
         number = 1 + static_cast<int>(std::min_element(distances.begin(), distances.end()) - distances.begin());
       }
-      const int pieces = is_arc ? 2 : 1;  // a circle has two halves
-      for (int k = 0; k < pieces; ++k)
-        edges.push_back(
-            {place(double(k) / pieces), place((k + 1.0) / pieces), place((k + 0.5) / pieces), is_arc, number - 1});
+      const int num_edges = is_arc ? 2 : 1;  // a circle has two halves
+      for (int k = 0; k < num_edges; ++k)
+        edges.push_back({point_at(double(k) / num_edges), point_at((k + 1.0) / num_edges),
+                         point_at((k + 0.5) / num_edges), is_arc, number - 1});
     }
     return edges;
   } catch (const Standard_Failure& failure) {

@@ -167,14 +167,14 @@ class Assembler {
 
   void add_face(int f) {
     const TopoDS_Face& face = TopoDS::Face(model_.shape().faces(f));
-    TopLoc_Location place;
-    const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, place);
+    TopLoc_Location location;
+    const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
     if (mesh.IsNull() || mesh->NbTriangles() == 0) refuse(f, "OpenCASCADE finds no triangles on it");
     if (!mesh->HasUVNodes()) refuse(f, "its triangles have no parameters");
     const bool reversed = face.Orientation() == TopAbs_REVERSED;
     result_.faces.push_back(curved_face(face));
 
-    const gp_Trsf& move = place.Transformation();
+    const gp_Trsf& move = location.Transformation();
     std::vector<int> point(mesh->NbNodes() + 1, -1);
     std::vector<char> pole(mesh->NbNodes() + 1, 0);
     int pole_axis = 0;
@@ -185,9 +185,9 @@ class Assembler {
     };
     std::map<std::pair<int, int>, OnEdge> on_edge;
     const std::vector<TopoDS_Edge> edges = edges_of(face);
-    for (int place_in_face = 0; place_in_face < static_cast<int>(edges.size()); ++place_in_face) {
-      const TopoDS_Edge& edge = edges[place_in_face];
-      const Handle(Poly_PolygonOnTriangulation) polygon = BRep_Tool::PolygonOnTriangulation(edge, mesh, place);
+    for (int index_in_face = 0; index_in_face < static_cast<int>(edges.size()); ++index_in_face) {
+      const TopoDS_Edge& edge = edges[index_in_face];
+      const Handle(Poly_PolygonOnTriangulation) polygon = BRep_Tool::PolygonOnTriangulation(edge, mesh, location);
       if (polygon.IsNull()) {
         if (edge.Orientation() == TopAbs_INTERNAL || edge.Orientation() == TopAbs_EXTERNAL) continue;
         refuse(f, "an edge of it has no place among its triangles");
@@ -218,7 +218,7 @@ class Assembler {
         }
       }
       if (static_cast<int>(own.size()) != n) refuse(f, "an edge of it is divided otherwise than in the next face");
-      const FaceEdge of_curve{f, place_in_face, is_other(edge, face, mesh, *polygon)};
+      const FaceEdge of_curve{f, index_in_face, is_other(edge, face, mesh, *polygon)};
       const Handle(Geom2d_Curve) curve = curve_of(edge, face, of_curve.other);
       if (curve.IsNull()) refuse(f, "an edge of it has no curve in its parameter plane");
       edges_of_curves_.push_back(of_curve);
@@ -281,8 +281,8 @@ std::vector<double> face_areas(const CurvedTriangles& triangles) {
   std::vector<double> areas(triangles.faces.size(), 0);
   for (std::size_t t = 0; t < triangles.triangles.size(); ++t)
     for (const auto& [x, y, w] : rule) {
-      const CurvedPlace place = triangles.place(static_cast<int>(t), x, y);
-      areas[triangles.triangles[t].face] += w / 2 * place.along_a.cross(place.along_b).norm();
+      const CurvedPoint image = triangles.point_at(static_cast<int>(t), x, y);
+      areas[triangles.triangles[t].face] += w / 2 * image.along_a.cross(image.along_b).norm();
     }
   return areas;
 }

@@ -13,8 +13,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int most_passes = 40;
-constexpr std::size_t most_triangles = 20000000;
+constexpr int max_passes = 40;
+constexpr std::size_t max_triangles = 20000000;
 constexpr double straight = 1e-12;  // of a side's length in the parameter plane: what bends less is straight
 constexpr int newton_steps = 20;
 constexpr double newton_end = 1e-13;  // of the size of the coordinates
@@ -23,7 +23,7 @@ double weight_of(int corner, double a, double b) { return corner == 0 ? 1 - a - 
 Vec2 slope_of(int corner) { return corner == 0 ? Vec2(-1, -1) : corner == 1 ? Vec2(1, 0) : Vec2(0, 1); }
 
 /// Chebyshev's points of [-1, 1].
-std::array<double, CurvedTriangles::bend_terms> bend_places() {
+std::array<double, CurvedTriangles::bend_terms> bend_nodes() {
   std::array<double, CurvedTriangles::bend_terms> z;
   const int n = static_cast<int>(z.size());
   for (int k = 0; k < n; ++k) z[k] = std::cos(pi * (2 * k + 1) / (2 * n));
@@ -77,7 +77,7 @@ CurvedTriangles::Map CurvedTriangles::map(int number, double a, double b) const 
 
 Vec2 CurvedTriangles::parameters(int triangle, double a, double b) const { return map(triangle, a, b).uv; }
 
-CurvedPlace CurvedTriangles::place(int triangle, double a, double b) const {
+CurvedPoint CurvedTriangles::point_at(int triangle, double a, double b) const {
   const Map m = map(triangle, a, b);
   SurfaceJet jet;
   const CurvedFace& face = faces[triangles[triangle].face];
@@ -121,9 +121,9 @@ double CurvedTriangles::largest_sag(const Wanted& wanted) const {
 
 /// Sides of several triangles are divided alike: what they are decided by belongs to the side, not to the triangle.
 bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
-  if (triangles.size() > most_triangles)
+  if (triangles.size() > max_triangles)
     throw InputError(fmt::format("it takes more than {} triangles to follow its faces: the cells are too small for it",
-                                 most_triangles));
+                                 max_triangles));
   using Key = std::tuple<int, int, int>;  // two points and the CAD edge, or the face
   const auto key_of = [&](std::size_t t, int s) {
     const auto [low, high] = std::minmax(corners[t][s], corners[t][(s + 1) % 3]);
@@ -135,8 +135,8 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
     if (!is_wanted(t, wanted)) continue;
     // A triangle whose middle is too far away although its sides are not: all sides.
     const Vec3 centroid = (points[corners[t][0]] + points[corners[t][1]] + points[corners[t][2]]) / 3;
-    const bool all =
-        !is_plane(static_cast<int>(t)) && (place(static_cast<int>(t), 1.0 / 3, 1.0 / 3).x - centroid).norm() > 2 * sag;
+    const bool all = !is_plane(static_cast<int>(t)) &&
+                     (point_at(static_cast<int>(t), 1.0 / 3, 1.0 / 3).x - centroid).norm() > 2 * sag;
     for (int s = 0; s < 3; ++s) {
       const auto [entry, added] = middle.try_emplace(key_of(t, s), -1);
       if (entry->second >= 0) continue;
@@ -156,12 +156,12 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
   for (std::size_t t = 0; t < old_triangles.size(); ++t) {
     const CurvedTriangle& old = old_triangles[t];
     // Up to six points around the triangle: its corners and the middles of its sides.
-    struct Place {
+    struct RimPoint {
       int point;
       Vec2 uv;
       int corner;  ///< -1: a middle
     };
-    std::vector<Place> around;
+    std::vector<RimPoint> around;
     std::vector<CurvedTriangle::Side> sides;  // from each point to the next
     for (int s = 0; s < 3; ++s) {
       around.push_back({old_corners[t][s], old.uv[s], s});
@@ -179,22 +179,22 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
     }
     const int n = static_cast<int>(around.size());
     const auto emit = [&](int i, int j, int k) {
-      CurvedTriangle part;
-      part.face = old.face;
-      const int places[3] = {i, j, k};
+      CurvedTriangle child;
+      child.face = old.face;
+      const int indices[3] = {i, j, k};
       Triangle points_of;
       for (int c = 0; c < 3; ++c) {
-        const Place& from = around[places[c]];
+        const RimPoint& from = around[indices[c]];
         points_of[c] = from.point;
-        part.uv[c] = from.uv;
+        child.uv[c] = from.uv;
         if (from.corner >= 0 && from.corner == old.pole) {
-          part.pole = c;
-          part.pole_axis = old.pole_axis;
+          child.pole = c;
+          child.pole_axis = old.pole_axis;
         }
-        if (places[(c + 1) % 3] == (places[c] + 1) % n) part.sides[c] = sides[places[c]];
+        if (indices[(c + 1) % 3] == (indices[c] + 1) % n) child.sides[c] = sides[indices[c]];
       }
       corners.push_back(points_of);
-      triangles.push_back(part);
+      triangles.push_back(child);
     };
     if (n == 3) {
       emit(0, 1, 2);
@@ -231,7 +231,7 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
 }
 
 void CurvedTriangles::find_bends() {
-  static const auto z = bend_places();
+  static const auto z = bend_nodes();
   static const Eigen::Matrix<double, bend_terms, bend_terms> inverse = [] {
     Eigen::Matrix<double, bend_terms, bend_terms> powers;
     for (int k = 0; k < bend_terms; ++k)
@@ -267,7 +267,7 @@ void CurvedTriangles::find_bends() {
 }
 
 void CurvedTriangles::refine(double sag, const Wanted& wanted) {
-  for (int pass = 0; pass < most_passes && divide_long_sides(sag, wanted); ++pass) find_bends();
+  for (int pass = 0; pass < max_passes && divide_long_sides(sag, wanted); ++pass) find_bends();
   find_bends();
 }
 

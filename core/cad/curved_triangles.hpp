@@ -36,7 +36,7 @@ struct CurvedFace {
 };
 
 /// Point on the exact surface, in the coordinates of the triangles.
-struct CurvedPlace {
+struct CurvedPoint {
   Vec3 x;
   Vec3 along_a, along_b;  ///< derivatives for the weights a, b of corners 1, 2
   Vec3 normal;            ///< outward unit normal
@@ -78,7 +78,7 @@ class CurvedTriangles {
   bool is_bent(int triangle) const;
   /// Parameters at the weights 1 - a - b, a, b of the corners.
   Vec2 parameters(int triangle, double a, double b) const;
-  CurvedPlace place(int triangle, double a, double b) const;
+  CurvedPoint point_at(int triangle, double a, double b) const;
 
   /// Returns whether triangles in a box have to follow the surface; an empty function: all have to.
   using Wanted = std::function<bool(const Vec3& low, const Vec3& high)>;

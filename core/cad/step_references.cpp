@@ -68,8 +68,8 @@ class References {
 
  private:
   /// Skips to `length` characters behind a position; to the end if none.
-  void skip_to(std::size_t place, std::size_t length) {
-    const std::size_t end = place == std::string::npos ? text_.size() : std::min(place + length, text_.size());
+  void skip_to(std::size_t index, std::size_t length) {
+    const std::size_t end = index == std::string::npos ? text_.size() : std::min(index + length, text_.size());
     line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
                                          text_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
     at_ = end;

@@ -1,4 +1,4 @@
-/// Quadrature points on the boundary of a body, and the planes that divide its pieces. Grid coordinates.
+/// Quadrature points on the boundary of a body, and the planes that divide its facets. Grid coordinates.
 #pragma once
 
 #include <memory>
@@ -11,15 +11,15 @@ namespace cgcontact {
 struct Plane {
   Vec3 normal;
   double offset;                                                ///< normal . x = offset
-  std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the pieces of these only
+  std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the facets of these only
   /// As a divider of facets: x is their unit normal, so that it separates those in a cone from the others.
   bool of_normals = false;
 
   bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }
 };
 
-/// Returns whether one of the planes is the border of a face. Then points know their pieces
-/// (BoundaryPoints::piece_position).
+/// Returns whether one of the planes is the border of a face. Then points know their facets
+/// (BoundaryPoints::facet_position).
 bool divide_faces(const std::vector<Plane>& dividers);
 
 /// Returns the planes that cross the cube [corner, corner + width]^3, and those of normals.
@@ -33,9 +33,9 @@ struct BoundaryPoints {
   std::vector<double> weight;
   std::vector<int> cell;     ///< active cell that the point belongs to (index into CutCells::cells)
   std::vector<int> surface;  ///< index into solid.surfaces()
-  /// Means over the point's piece of surface (between dividers), which decide the side of the dividers: a point itself
+  /// Means over the point's facet (between dividers), which decide the side of the dividers: a point itself
   /// may be on one but for rounding. Empty in bodies without face dividers.
-  std::vector<Vec3> piece_position, piece_normal;
+  std::vector<Vec3> facet_position, facet_normal;
   std::size_t size() const { return weight.size(); }
   void append(const Vec3& x, const Vec3& n, double w, int owner, int on_surface) {
     position.push_back(x);
@@ -50,9 +50,9 @@ struct BoundaryPoints {
     weight.reserve(n);
     cell.reserve(n);
     surface.reserve(n);
-    if (!piece_position.empty()) {
-      piece_position.reserve(n);
-      piece_normal.reserve(n);
+    if (!facet_position.empty()) {
+      facet_position.reserve(n);
+      facet_normal.reserve(n);
     }
   }
   /// Keeps the first n points.
@@ -62,28 +62,28 @@ struct BoundaryPoints {
     weight.resize(n);
     cell.resize(n);
     surface.resize(n);
-    if (!piece_position.empty()) {
-      piece_position.resize(n);
-      piece_normal.resize(n);
+    if (!facet_position.empty()) {
+      facet_position.resize(n);
+      facet_normal.resize(n);
     }
   }
-  /// Sets the piece of the last point.
-  void set_piece(const Vec3& mean_position, const Vec3& mean_normal) {
-    piece_position.push_back(mean_position);
-    piece_normal.push_back(mean_normal);
+  /// Sets the facet of the last point.
+  void set_facet(const Vec3& mean_position, const Vec3& mean_normal) {
+    facet_position.push_back(mean_position);
+    facet_normal.push_back(mean_normal);
   }
-  const Vec3& position_of_piece(std::size_t i) const {
-    return piece_position.empty() ? position[i] : piece_position[i];
+  const Vec3& position_of_facet(std::size_t i) const {
+    return facet_position.empty() ? position[i] : facet_position[i];
   }
-  const Vec3& normal_of_piece(std::size_t i) const { return piece_normal.empty() ? normal[i] : piece_normal[i]; }
+  const Vec3& normal_of_facet(std::size_t i) const { return facet_normal.empty() ? normal[i] : facet_normal[i]; }
   template <class Packing>
   void pack(Packing& to) const {
     to.put(position);
     to.put(normal);
     to.put(weight);
     to.put(surface);
-    to.put(piece_position);
-    to.put(piece_normal);
+    to.put(facet_position);
+    to.put(facet_normal);
   }
   /// Unpacks all but `cell`.
   template <class Unpacking>
@@ -92,14 +92,14 @@ struct BoundaryPoints {
     from.take(normal);
     from.take(weight);
     from.take(surface);
-    from.take(piece_position);
-    from.take(piece_normal);
+    from.take(facet_position);
+    from.take(facet_normal);
     cell.assign(weight.size(), -1);
   }
   /// Appends point i of another set, owned by `owner`.
   void append(const BoundaryPoints& from, std::size_t i, int owner) {
     append(from.position[i], from.normal[i], from.weight[i], owner, from.surface[i]);
-    if (!from.piece_position.empty()) set_piece(from.piece_position[i], from.piece_normal[i]);
+    if (!from.facet_position.empty()) set_facet(from.facet_position[i], from.facet_normal[i]);
   }
 };
 

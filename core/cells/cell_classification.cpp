@@ -107,10 +107,10 @@ class Classifier {
 /// than touch it. With none inside, a coarse cell counts as empty, with all inside as full: a face that lies on its
 /// side cuts a layer.
 int inside_of(const BodyGeometry& body, const Index3& cell) {
-  constexpr double place[3] = {0.01, 0.5, 0.99};
+  constexpr double offset[3] = {0.01, 0.5, 0.99};
   int inside = 0;
   for (int n = 0; n < 27; ++n)
-    inside += body.contains(Vec3(cell[0] + place[n % 3], cell[1] + place[n / 3 % 3], cell[2] + place[n / 9]));
+    inside += body.contains(Vec3(cell[0] + offset[n % 3], cell[1] + offset[n / 3 % 3], cell[2] + offset[n / 9]));
   return inside;
 }
 
@@ -123,10 +123,10 @@ CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const Lea
 /// Cells of a coarse cell that a surface crosses have the two longest of its three extents; of a plate of one or two
 /// cells all are cut. Half of the cells of a coarse cell are in the body. Beside a cut cell half a layer of nodes comes
 /// on top of one node by cell.
-CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells) {
+CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double max_cells) {
   const double num_cells = static_cast<double>(grid.num_cells[0]) * grid.num_cells[1] * grid.num_cells[2];
   int factor = 1;
-  while (num_cells / std::pow(factor, 3) > most_cells) ++factor;
+  while (num_cells / std::pow(factor, 3) > max_cells) ++factor;
   Grid coarse = grid;
   coarse.cell_size *= factor;
   for (int& n : coarse.num_cells) n = (n + factor - 1) / factor;

@@ -31,6 +31,6 @@ struct LeafLevel {
 CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves = {});
 
 /// Estimates as BodyGeometry::estimate_cells, for a body in global axes, by classifying the cells of a coarser grid.
-CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells);
+CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double max_cells);
 
 }  // namespace cgcontact

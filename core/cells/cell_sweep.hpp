@@ -33,9 +33,9 @@ class CellSweep {
   /// Returns cells that are known to be inside before the sweep. Called once.
   virtual GridNumbers take_inside() = 0;
   /// Counts the chunks, which are in the order of the cells, by k, j, i.
-  virtual std::size_t num_parts() const = 0;
+  virtual std::size_t num_chunks() const = 0;
   /// Appends the cells of a chunk; different threads may sweep different chunks. Throws InputError.
-  virtual void sweep(std::size_t part, SweptCells& found) const = 0;
+  virtual void sweep(std::size_t chunk, SweptCells& found) const = 0;
 };
 
 /// Sweep of bodies that know the side of a block of cells (BodyGeometry::side_of_block) and integrate single cells.
@@ -47,10 +47,10 @@ class CellByCell : public CellSweep {
   CellByCell(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves, Integrate integrate)
       : classes_(classify_cells(body, grid, leaves)), integrate_(std::move(integrate)) {}
   GridNumbers take_inside() override { return std::move(classes_.inside); }
-  std::size_t num_parts() const override { return (classes_.candidates.size() + grain - 1) / grain; }
-  void sweep(std::size_t part, SweptCells& found) const override {
-    const std::size_t end = std::min((part + 1) * grain, classes_.candidates.size());
-    for (std::size_t i = part * grain; i < end; ++i) integrate_(classes_.candidates[i], found);
+  std::size_t num_chunks() const override { return (classes_.candidates.size() + grain - 1) / grain; }
+  void sweep(std::size_t chunk, SweptCells& found) const override {
+    const std::size_t end = std::min((chunk + 1) * grain, classes_.candidates.size());
+    for (std::size_t i = chunk * grain; i < end; ++i) integrate_(classes_.candidates[i], found);
   }
 
  private:

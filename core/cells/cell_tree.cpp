@@ -67,8 +67,8 @@ bool CellTree::is_refined_in(int from, const Index3& first, const Index3& last, 
       for (c[0] = begin[0]; c[0] <= end[0]; ++c[0]) {
         if (refined_[from].find(c) < 0) continue;
         if (from == level) return true;
-        const Index3 part{2 * c[0], 2 * c[1], 2 * c[2]};
-        if (is_refined_in(from + 1, part, {part[0] + 1, part[1] + 1, part[2] + 1}, level, low, high)) return true;
+        const Index3 child{2 * c[0], 2 * c[1], 2 * c[2]};
+        if (is_refined_in(from + 1, child, {child[0] + 1, child[1] + 1, child[2] + 1}, level, low, high)) return true;
       }
   return false;
 }
@@ -87,20 +87,20 @@ Index3 CellTree::clamped(int level, Index3 cell) const {
 }
 
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
-                      const std::function<double(const Vec3&, const Vec3&)>& wanted, int most_levels,
-                      double most_divided) {
-  if (most_levels == 1) return {};
-  std::vector<std::vector<Index3>> refined(most_levels - 1);
+                      const std::function<double(const Vec3&, const Vec3&)>& wanted, int max_levels,
+                      double max_divided) {
+  if (max_levels == 1) return {};
+  std::vector<std::vector<Index3>> refined(max_levels - 1);
   double divided = 0;
   const std::function<void(int, const Index3&)> visit = [&](int level, const Index3& cell) {
-    if (level + 1 >= most_levels) return;
+    if (level + 1 >= max_levels) return;
     const double size = std::ldexp(1.0, -level);
     const Vec3 low = size * Vec3(cell[0], cell[1], cell[2]), high = low + Vec3::Constant(size);
     if (!(wanted(low, high) < 0.999 * size)) return;
     std::vector<signed char> sides(body.surfaces().size(), -1);
     if (body.side_of_block(0.5 * (low + high), Vec3::Constant(0.5 * size), sides) == 0) return;
-    if (++divided > most_divided)
-      throw TooManyCells(fmt::format("more than {:.0f} cells would be divided into smaller ones", most_divided));
+    if (++divided > max_divided)
+      throw TooManyCells(fmt::format("more than {:.0f} cells would be divided into smaller ones", max_divided));
     refined[level].push_back(cell);
     for (int a = 0; a < 8; ++a)
       if (!grid.is_quadtree() || (a >> grid.plane_strain & 1) == 0)

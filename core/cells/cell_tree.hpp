@@ -67,9 +67,9 @@ inline Index3 cells_of_level(const Index3& num_cells, int level) {
 
 /// Divides cells that the body touches while they are larger than wanted somewhere in them; those of a quadtree
 /// (Grid::slice) into four. body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid coordinates.
-/// most_levels >= 1. most_divided: TooManyCells as soon as more cells are divided, before their children are looked at.
+/// max_levels >= 1. max_divided: TooManyCells as soon as more cells are divided, before their children are looked at.
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
-                      const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels,
-                      double most_divided = std::numeric_limits<double>::infinity());
+                      const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int max_levels,
+                      double max_divided = std::numeric_limits<double>::infinity());
 
 }  // namespace cgcontact

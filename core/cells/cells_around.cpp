@@ -8,10 +8,10 @@
 namespace cgcontact {
 namespace {
 
-/// Position in units of the smallest cells. Blocks go from one up to another, which they do not hold.
-using Place = std::array<long long, 3>;
+/// Index in units of the smallest cells. Blocks go from one up to another, which they do not hold.
+using FineIndex = std::array<long long, 3>;
 struct Block {
-  Place from, to;
+  FineIndex from, to;
 };
 
 bool overlap(const Block& a, const Block& b) {
@@ -33,48 +33,48 @@ class Marking {
  public:
   Marking(const CutCells& cells, std::vector<char>& marked) : cells_(cells), marked_(marked) {}
 
-  /// Marks blocks at a position; size: log2 of its cells, level 0; below 0 their children.
-  void mark(int size, const Index3& place, const std::vector<Block>& blocks) {
-    const Block here = block_of(size, place);
+  /// Marks blocks at an index; size: log2 of its cells, level 0; below 0 their children.
+  void mark(int size, const Index3& index, const std::vector<Block>& blocks) {
+    const Block here = block_of(size, index);
     if (is_empty(here)) return;
     std::vector<Block> those;
     for (const Block& block : blocks) {
-      if (contains(block, here)) return mark_all(size, place);
+      if (contains(block, here)) return mark_all(size, index);
       if (overlap(block, here)) those.push_back(block);
     }
     if (those.empty()) return;
     if (size <= 0) {
-      if (const int found = cells_.find(-size, place); found >= 0) {
+      if (const int found = cells_.find(-size, index); found >= 0) {
         marked_[found] = 1;
         return;
       }
-      if (!cells_.tree || !cells_.tree->is_refined(-size, place)) return;
+      if (!cells_.tree || !cells_.tree->is_refined(-size, index)) return;
     }
-    each_part(place, [&](const Index3& part) { mark(size - 1, part, those); });
+    each_child(index, [&](const Index3& child) { mark(size - 1, child, those); });
   }
 
  private:
-  /// Returns the block at a position within the grid.
-  Block block_of(int size, const Index3& place) const {
+  /// Returns the block at an index within the grid.
+  Block block_of(int size, const Index3& index) const {
     Block block;
     const int units = size + cells_.num_levels() - 1;
     for (int d = 0; d < 3; ++d) {
       const long long end = static_cast<long long>(cells_.grid.num_cells[d]) << (cells_.num_levels() - 1);
-      block.from[d] = static_cast<long long>(place[d]) << units;
-      block.to[d] = std::min(static_cast<long long>(place[d] + 1) << units, end);
+      block.from[d] = static_cast<long long>(index[d]) << units;
+      block.to[d] = std::min(static_cast<long long>(index[d] + 1) << units, end);
     }
     return block;
   }
 
-  void mark_all(int size, const Index3& place) {
-    if (is_empty(block_of(size, place))) return;
-    if (size <= 0) return each_cell_at(cells_, {-size, place}, [&](int cell) { marked_[cell] = 1; });
-    each_part(place, [&](const Index3& part) { mark_all(size - 1, part); });
+  void mark_all(int size, const Index3& index) {
+    if (is_empty(block_of(size, index))) return;
+    if (size <= 0) return each_cell_at(cells_, {-size, index}, [&](int cell) { marked_[cell] = 1; });
+    each_child(index, [&](const Index3& child) { mark_all(size - 1, child); });
   }
 
   template <class Use>
-  static void each_part(const Index3& place, const Use& use) {
-    for (int a = 0; a < 8; ++a) use({2 * place[0] + (a & 1), 2 * place[1] + (a >> 1 & 1), 2 * place[2] + (a >> 2)});
+  static void each_child(const Index3& index, const Use& use) {
+    for (int a = 0; a < 8; ++a) use({2 * index[0] + (a & 1), 2 * index[1] + (a >> 1 & 1), 2 * index[2] + (a >> 2)});
   }
 
   const CutCells& cells_;
@@ -89,9 +89,9 @@ void mark_cells_around(const CutCells& cells, const std::vector<int>& active, in
     Block block;
     const int units = cells.num_levels() - 1 - cells.level(cell);
     for (int d = 0; d < 3; ++d) {
-      const long long place = cells.cells[cell][d];
-      block.from[d] = (place - reach) * (1LL << units);
-      block.to[d] = (place + reach + 1) * (1LL << units);
+      const long long index = cells.cells[cell][d];
+      block.from[d] = (index - reach) * (1LL << units);
+      block.to[d] = (index + reach + 1) * (1LL << units);
     }
     blocks.push_back(block);
   }
@@ -134,15 +134,15 @@ void each_run(std::uint64_t bits, const Use& use) {
   }
 }
 
-Index3 moved(Index3 place, int direction, int by) {
-  place[direction] += by;
-  return place;
+Index3 moved(Index3 index, int direction, int by) {
+  index[direction] += by;
+  return index;
 }
 
 /// Joins the cells of a level with each other and with those of twice the size beside them. By words of 64 cells: runs
 /// that touch are connected.
 void join_level(const CutCells& cells, int level, JoinedCells& joined) {
-  const GridNumbers& numbers = cells.parts.empty() ? cells.numbers : cells.parts[level].numbers;
+  const GridNumbers& numbers = cells.level_cells.empty() ? cells.numbers : cells.level_cells[level].numbers;
   numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {
     const auto cell_at = [&](int bit, int direction = 0, int by = 0) {
       return cells.find(level, moved(moved(first, 0, bit), direction, by));
@@ -170,16 +170,16 @@ void join_level(const CutCells& cells, int level, JoinedCells& joined) {
 
 }  // namespace
 
-std::vector<int> find_connected_pieces(const CutCells& cells, int& count) {
+std::vector<int> find_connected_components(const CutCells& cells, int& count) {
   JoinedCells joined(cells.cells.size());
   for (int level = 0; level < cells.num_levels(); ++level) join_level(cells, level, joined);
-  std::vector<int> piece(cells.cells.size());
+  std::vector<int> component(cells.cells.size());
   count = 0;
-  for (int cell = 0; cell < static_cast<int>(piece.size()); ++cell) {
+  for (int cell = 0; cell < static_cast<int>(component.size()); ++cell) {
     const int least = joined.least(cell);
-    piece[cell] = least == cell ? count++ : piece[least];
+    component[cell] = least == cell ? count++ : component[least];
   }
-  return piece;
+  return component;
 }
 
 }  // namespace cgcontact

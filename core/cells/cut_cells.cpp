@@ -23,7 +23,7 @@ struct Candidate : CellIntegrals {
 };
 
 /// Mean position and normal of the points of one surface in a cell.
-struct PieceMean {
+struct FacetMean {
   int surface;
   double area = 0;
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
@@ -43,7 +43,7 @@ void scale_points(const Grid& grid, BoundaryPoints& points, std::size_t first, i
     points.weight[i] *= thickness * length * length;
     if (grid.is_axisymmetric())
       points.weight[i] *= std::max(grid.ring(points.position[i]), nearest_to_axis * grid.cell_size / grid.unit_radius);
-    if (!points.piece_position.empty()) points.piece_position[i] *= length;
+    if (!points.facet_position.empty()) points.facet_position[i] *= length;
   }
 }
 
@@ -61,8 +61,8 @@ std::vector<Plane> planes_of_level(std::vector<Plane> planes, int level) {
   return planes;
 }
 
-std::vector<PieceMean> piece_means(const BoundaryPoints& points) {
-  std::vector<PieceMean> means;
+std::vector<FacetMean> facet_means(const BoundaryPoints& points) {
+  std::vector<FacetMean> means;
   for (std::size_t i = 0; i < points.size(); ++i) {
     auto mean = std::find_if(means.begin(), means.end(), [&](const auto& m) { return m.surface == points.surface[i]; });
     if (mean == means.end()) {
@@ -73,7 +73,7 @@ std::vector<PieceMean> piece_means(const BoundaryPoints& points) {
     mean->position += points.weight[i] * points.position[i];
     mean->normal += points.weight[i] * points.normal[i];
   }
-  for (PieceMean& m : means) {
+  for (FacetMean& m : means) {
     m.position /= m.area;
     m.normal /= m.area;
   }
@@ -92,8 +92,8 @@ double distance_to_cell(const Vec3& x, const Index3& cell, double size = 1) {
 /// Returns the cell of a level that contains or is contained in the given one.
 Index3 cell_on_level(const Index3& c, int from, int to) {
   if (to >= from) {  // a cell beside the grid may have negative numbers, which must not be shifted
-    const int parts = 1 << (to - from);
-    return {parts * c[0], parts * c[1], parts * c[2]};
+    const int factor = 1 << (to - from);
+    return {factor * c[0], factor * c[1], factor * c[2]};
   }
   return {c[0] >> (from - to), c[1] >> (from - to), c[2] >> (from - to)};
 }
@@ -132,9 +132,9 @@ class CutCellBuilder {
     for (int l = 0; l < num_levels(); ++l) integrate(l);
     number_cells();
     if (result_.cells.empty()) throw InputError("the body is empty");
-    adopt_pruned();
+    merge_slivers();
     collect();
-    make_parts();
+    split_levels();
     return std::move(result_);
   }
 
@@ -152,19 +152,19 @@ class CutCellBuilder {
     const auto sweep =
         level.solid.geometry().sweep_cells(level.grid, level.dividers, options_.boundary_order, level.leaves);
     level.numbers = sweep->take_inside();
-    std::vector<Found> found(sweep->num_parts());
+    std::vector<Found> found(sweep->num_chunks());
     // Interleaves the chunks over the ranks: neighbouring chunks cost about the same.
     const std::size_t ranks = num_ranks(), rank = this_rank();
     const std::size_t num_own = found.size() / ranks + (rank < found.size() % ranks);
     on_all_ranks([&] {
       parallel_for("cgcontact::cut_cells::integrate", num_own, 1, [&](std::size_t own) {
-        const std::size_t part = own * ranks + rank;
+        const std::size_t chunk = own * ranks + rank;
         SweptCells swept;
-        sweep->sweep(part, swept);
+        sweep->sweep(chunk, swept);
         for (CellIntegrals& cell : swept.crossed)
-          if (level.leaves.has(cell.cell)) keep(std::move(cell), l, found[part]);
+          if (level.leaves.has(cell.cell)) keep(std::move(cell), l, found[chunk]);
         for (auto& [first, number] : swept.inside)
-          if (in_layer(level.leaves.across, first, number)) set_inside(first, number, l, found[part]);
+          if (in_layer(level.leaves.across, first, number)) set_inside(first, number, l, found[chunk]);
       });
     });
     if (ranks > 1) exchange(found);
@@ -176,19 +176,19 @@ class CutCellBuilder {
     const std::size_t ranks = num_ranks();
     Packing own;
     std::size_t num_cut = 0;
-    for (const Found& part : found) num_cut += part.cut.size();
+    for (const Found& chunk : found) num_cut += chunk.cut.size();
     constexpr std::size_t some_points = 1024;
     own.reserve(num_cut * (sizeof(Candidate) + some_points));
-    for (std::size_t part = this_rank(); part < found.size(); part += ranks) {
-      own.put(found[part].cut.size());
-      for (const Candidate& c : found[part].cut) {
+    for (std::size_t chunk = this_rank(); chunk < found.size(); chunk += ranks) {
+      own.put(found[chunk].cut.size());
+      for (const Candidate& c : found[chunk].cut) {
         own.put(c.cell);
         own.put(c.moments);
         own.put(std::array<int, 3>{c.thin, c.pruned, c.level});
         c.points.pack(own);
       }
-      own.put(found[part].inside.size());
-      for (const auto& [first, number] : found[part].inside) {
+      own.put(found[chunk].inside.size());
+      for (const auto& [first, number] : found[chunk].inside) {
         own.put(first);
         own.put(number);
       }
@@ -200,11 +200,11 @@ class CutCellBuilder {
         all.skip(own.bytes().size());
         continue;
       }
-      for (std::size_t part = rank; part < found.size(); part += ranks) {
+      for (std::size_t chunk = rank; chunk < found.size(); chunk += ranks) {
         std::size_t size = 0;
         all.take(size);
-        found[part].cut.resize(size);
-        for (Candidate& c : found[part].cut) {
+        found[chunk].cut.resize(size);
+        for (Candidate& c : found[chunk].cut) {
           std::array<int, 3> marks{};
           all.take(c.cell);
           all.take(c.moments);
@@ -215,8 +215,8 @@ class CutCellBuilder {
           c.points.unpack(all);
         }
         all.take(size);
-        found[part].inside.resize(size);
-        for (auto& [first, number] : found[part].inside) {
+        found[chunk].inside.resize(size);
+        for (auto& [first, number] : found[chunk].inside) {
           all.take(first);
           all.take(number);
         }
@@ -236,12 +236,12 @@ class CutCellBuilder {
 
   void collect_found(std::vector<Found>& found, LevelOfGrid& level) {
     std::size_t total = candidates_.size();
-    for (const Found& part : found) total += part.cut.size();
+    for (const Found& chunk : found) total += chunk.cut.size();
     candidates_.reserve(total);
-    for (Found& part : found) {
-      for (const auto& [first, number] : part.inside) insert_leaves(first, number, level);
-      std::move(part.cut.begin(), part.cut.end(), std::back_inserter(candidates_));
-      part = {};
+    for (Found& chunk : found) {
+      for (const auto& [first, number] : chunk.inside) insert_leaves(first, number, level);
+      std::move(chunk.cut.begin(), chunk.cut.end(), std::back_inserter(candidates_));
+      chunk = {};
     }
   }
 
@@ -314,10 +314,10 @@ class CutCellBuilder {
     return candidate < 0 ? 1.0 : candidates_[candidate].moments[0] / 8;
   }
 
-  /// Finds the active cell that takes a piece near a cell of a level: the one nearest to a point just inside the body,
+  /// Finds the active cell that takes a facet near a cell of a level: the one nearest to a point just inside the body,
   /// then the fullest. Lengths in cells of that level.
-  int find_owner(const Index3& cell, int level, const PieceMean& piece) const {
-    const Vec3 inside = piece.position - 1e-3 * piece.normal;
+  int find_owner(const Index3& cell, int level, const FacetMean& facet) const {
+    const Vec3 inside = facet.position - 1e-3 * facet.normal;
     int best = -1;
     double best_distance = std::numeric_limits<double>::max();
     for (int reach = 1; reach <= 2 && best < 0; ++reach)
@@ -340,14 +340,14 @@ class CutCellBuilder {
     return best;
   }
 
-  void adopt_pruned() {
+  void merge_slivers() {
     for (std::size_t c = 0; c < candidates_.size(); ++c) {  // more may be appended
       if (!candidates_[c].pruned) continue;
-      const std::vector<PieceMean> pieces = piece_means(candidates_[c].points);
+      const std::vector<FacetMean> facets = facet_means(candidates_[c].points);
       std::vector<int> owners;
       bool smaller = false;
-      for (const PieceMean& piece : pieces) {
-        owners.push_back(find_owner(candidates_[c].cell, candidates_[c].level, piece));
+      for (const FacetMean& facet : facets) {
+        owners.push_back(find_owner(candidates_[c].cell, candidates_[c].level, facet));
         smaller = smaller || (owners.back() >= 0 && level_of(owners.back()) > candidates_[c].level);
       }
       if (smaller) {
@@ -358,14 +358,14 @@ class CutCellBuilder {
       if (!candidate.thin) ++result_.num_pruned;
       int heir = -1;
       double largest = 0;
-      for (std::size_t p = 0; p < pieces.size(); ++p) {
-        const PieceMean& piece = pieces[p];
+      for (std::size_t p = 0; p < facets.size(); ++p) {
+        const FacetMean& facet = facets[p];
         const int owner = owners[p];
         if (owner < 0) continue;
-        result_.adoptions.push_back({owner, candidate.cell, piece.surface, candidate.level});
+        result_.adoptions.push_back({owner, candidate.cell, facet.surface, candidate.level});
         donors_.push_back(static_cast<int>(c));
-        if (piece.area > largest) heir = owner;
-        largest = std::max(largest, piece.area);
+        if (facet.area > largest) heir = owner;
+        largest = std::max(largest, facet.area);
       }
       if (heir >= 0 && (candidate.thin || candidate.moments[0] > 0)) pass_moments(candidate, heir);
     }
@@ -380,7 +380,7 @@ class CutCellBuilder {
     }
   }
 
-  /// Divides a pruned cell beside smaller active cells into its eight children, so that each of its pieces is no larger
+  /// Divides a pruned cell beside smaller active cells into its eight children, so that each of its facets is no larger
   /// than the cell that takes it. Its volume goes with one of them.
   void divide(std::size_t c) {
     const int level = candidates_[c].level + 1;
@@ -388,23 +388,23 @@ class CutCellBuilder {
     bool has_volume = candidates_[c].thin || candidates_[c].moments[0] > 0;
     for (int a = 0; a < 8; ++a) {
       const Index3& cell = candidates_[c].cell;
-      Candidate part;
-      part.cell = {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)};
-      if (finer.leaves.across >= 0 && part.cell[finer.leaves.across] != 0) continue;
-      part.level = level;
-      part.pruned = true;
-      part.thin = has_volume && candidates_[c].thin;
-      part.moments = {};
-      finer.solid.geometry().boundary_points(part.cell, {}, finer.dividers, options_.boundary_order, 0, part.points);
-      if (part.points.size() == 0) continue;
-      if (has_volume) part.moments[0] = 8 * candidates_[c].moments[0];
+      Candidate child;
+      child.cell = {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)};
+      if (finer.leaves.across >= 0 && child.cell[finer.leaves.across] != 0) continue;
+      child.level = level;
+      child.pruned = true;
+      child.thin = has_volume && candidates_[c].thin;
+      child.moments = {};
+      finer.solid.geometry().boundary_points(child.cell, {}, finer.dividers, options_.boundary_order, 0, child.points);
+      if (child.points.size() == 0) continue;
+      if (has_volume) child.moments[0] = 8 * candidates_[c].moments[0];
       has_volume = false;
-      candidates_.push_back(std::move(part));
+      candidates_.push_back(std::move(child));
     }
     candidates_[c].points = {};
   }
 
-  /// Passes the volume below the threshold to the cell that takes the largest piece.
+  /// Passes the volume below the threshold to the cell that takes the largest facet.
   void pass_moments(const Candidate& candidate, int heir) {
     const Index3& to = result_.cells[heir];
     const int level = level_of(heir);
@@ -419,7 +419,7 @@ class CutCellBuilder {
       }
     }
     // farther away the change of coordinates amplifies rounding: concentrate the volume at one point
-    const PieceMean mean = piece_means(candidate.points)[0];
+    const FacetMean mean = facet_means(candidate.points)[0];
     const double size = std::ldexp(1.0, level - candidate.level);  // of the candidate's cells in those of the heir
     double l[3][moment_degree + 1];
     for (int k = 0; k < 3; ++k) legendre_values(2 * (size * mean.position[k] - to[k]) - 1, l[k]);
@@ -430,7 +430,7 @@ class CutCellBuilder {
     const int num_active = static_cast<int>(result_.cells.size());
     std::vector<char> is_cut(num_active, 0);
     for (int a = 0; a < num_active; ++a) is_cut[a] = candidate_of_active_[a] >= 0;
-    for (const Adoption& adoption : result_.adoptions) is_cut[adoption.active] = 1;
+    for (const MergedSliver& adoption : result_.adoptions) is_cut[adoption.active] = 1;
     if (result_.grid.is_axisymmetric()) std::fill(is_cut.begin(), is_cut.end(), char{1});
     result_.cut_of_active.assign(num_active, -1);
     const std::size_t num_cut = std::count(is_cut.begin(), is_cut.end(), char{1});
@@ -457,7 +457,7 @@ class CutCellBuilder {
       for (int q = 0; q < num_moments; ++q) result_.moments[result_.cut_of_active[heir]][q] += extra[q];
   }
 
-  void make_parts() {
+  void split_levels() {
     if (num_levels() == 1) {
       result_.numbers = std::move(levels_[0].numbers);
       return;
@@ -472,22 +472,23 @@ class CutCellBuilder {
                result_.active_of_cut.begin();
       };
       const std::ptrdiff_t first_cut = cut_before(first), end_cut = cut_before(first + size);
-      CutCells part;
-      part.grid = levels_[l].grid;
-      part.cells.assign(result_.cells.begin() + first, result_.cells.begin() + first + size);
-      part.numbers = std::move(levels_[l].numbers);
-      part.cut_of_active.assign(result_.cut_of_active.begin() + first, result_.cut_of_active.begin() + first + size);
-      for (int& cut : part.cut_of_active)
+      CutCells of_level;
+      of_level.grid = levels_[l].grid;
+      of_level.cells.assign(result_.cells.begin() + first, result_.cells.begin() + first + size);
+      of_level.numbers = std::move(levels_[l].numbers);
+      of_level.cut_of_active.assign(result_.cut_of_active.begin() + first,
+                                    result_.cut_of_active.begin() + first + size);
+      for (int& cut : of_level.cut_of_active)
         if (cut >= 0) cut -= static_cast<int>(first_cut);
-      part.active_of_cut.assign(result_.active_of_cut.begin() + first_cut, result_.active_of_cut.begin() + end_cut);
-      for (int& active : part.active_of_cut) active -= first;
-      part.moments = result_.moments.slice(first_cut, end_cut - first_cut);
+      of_level.active_of_cut.assign(result_.active_of_cut.begin() + first_cut, result_.active_of_cut.begin() + end_cut);
+      for (int& active : of_level.active_of_cut) active -= first;
+      of_level.moments = result_.moments.slice(first_cut, end_cut - first_cut);
       std::fill(result_.levels.begin() + first, result_.levels.begin() + first + size, static_cast<signed char>(l));
-      result_.first_of_part.push_back(first);
-      result_.parts.push_back(std::move(part));
-      result_.part_solids.push_back(levels_[l].solid);
+      result_.first_of_level.push_back(first);
+      result_.level_cells.push_back(std::move(of_level));
+      result_.level_solids.push_back(levels_[l].solid);
     }
-    result_.first_of_part.push_back(static_cast<int>(result_.cells.size()));
+    result_.first_of_level.push_back(static_cast<int>(result_.cells.size()));
   }
 
   const GeometryOptions options_;
@@ -515,7 +516,7 @@ void CutCells::drop_moments() {
     radii = std::move(all);
   }
   moments = {};
-  for (CutCells& part : parts) part.drop_moments();
+  for (CutCells& of_level : level_cells) of_level.drop_moments();
 }
 
 void CutCells::keep_own_moments() {
@@ -539,10 +540,10 @@ void CutCells::gather_moments() {
   fractions = {};
   radii = {};
   std::size_t first = 0;
-  for (CutCells& part : parts) {
-    part.fractions = part.radii = {};
-    part.moments = moments.slice(first, part.active_of_cut.size());
-    first += part.active_of_cut.size();
+  for (CutCells& of_level : level_cells) {
+    of_level.fractions = of_level.radii = {};
+    of_level.moments = moments.slice(first, of_level.active_of_cut.size());
+    first += of_level.active_of_cut.size();
   }
 }
 
@@ -610,14 +611,14 @@ void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const s
   all.insert(all.end(), cut_cells.face_dividers.begin(), cut_cells.face_dividers.end());
   const auto add_cell = [&](const Index3& cell, int level, const std::vector<char>& wanted) {
     const std::size_t first = points.size();
-    const Solid& solid = level == 0 ? cut_cells.solid : cut_cells.part_solids[level];
+    const Solid& solid = level == 0 ? cut_cells.solid : cut_cells.level_solids[level];
     solid.geometry().boundary_points(cell, wanted, level == 0 ? all : planes_of_level(all, level), order, active_cell,
                                      points);
     scale_points(cut_cells.grid, points, first, level);
   };
   add_cell(cut_cells.cells[active_cell], cut_cells.level(active_cell), selected);
   auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,
-                                   [](const Adoption& a, int cell) { return a.active < cell; });
+                                   [](const MergedSliver& a, int cell) { return a.active < cell; });
   for (; adoption != cut_cells.adoptions.end() && adoption->active == active_cell; ++adoption) {
     if (!selected[adoption->surface]) continue;
     adopted.assign(selected.size(), 0);

@@ -16,9 +16,9 @@
 
 namespace cgcontact {
 
-/// The pieces of a surface in a cell without volume of its own belong to an active neighbour.
-struct Adoption {
-  int active;    ///< cell that owns the pieces
+/// The facets of a surface in a cell without volume of its own belong to an active neighbour.
+struct MergedSliver {
+  int active;    ///< cell that owns the facets
   Index3 donor;  ///< cell in which they lie (may be outside of the grid by rounding)
   int surface;
   int level = 0;  ///< of the donor
@@ -33,23 +33,23 @@ struct CutCells {
   std::vector<signed char> levels;  ///< level of each active cell; empty: 0
   /// Index into moments, or -1 for an interior (full) cell; all cells of a body of revolution have moments.
   std::vector<int> cut_of_active;
-  std::vector<int> active_of_cut;    ///< cut cell -> active cell
-  MomentList moments;                ///< one per cut cell, until they are dropped
-  std::vector<double> fractions;     ///< volume fraction of each cut cell; empty as long as it has all moments
-  std::vector<double> radii;         ///< of a body of revolution, beside the fractions: radius(), m
-  BoundaryPoints boundary;           ///< default rule, all surfaces
-  std::vector<Adoption> adoptions;   ///< ascending in active
-  std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
+  std::vector<int> active_of_cut;       ///< cut cell -> active cell
+  MomentList moments;                   ///< one per cut cell, until they are dropped
+  std::vector<double> fractions;        ///< volume fraction of each cut cell; empty as long as it has all moments
+  std::vector<double> radii;            ///< of a body of revolution, beside the fractions: radius(), m
+  BoundaryPoints boundary;              ///< default rule, all surfaces
+  std::vector<MergedSliver> adoptions;  ///< ascending in active
+  std::vector<Plane> face_dividers;     ///< planes at which all boundary facets are cut (core/scene/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
   /// Cells of each level as a grid of one level, with that level's size as the unit of the grid coordinates; without
   /// solid, boundary and adoptions. Share the moments. Empty: one level.
-  std::vector<CutCells> parts;
+  std::vector<CutCells> level_cells;
   std::shared_ptr<const CellTree> tree;  ///< which cells are refined
-  std::vector<Solid> part_solids;        ///< the body in the grid coordinates of each level
-  std::vector<int> first_of_part;        ///< first active cell of each level, and the end
+  std::vector<Solid> level_solids;       ///< the body in the grid coordinates of each level
+  std::vector<int> first_of_level;       ///< first active cell of each level, and the end
 
-  int num_levels() const { return parts.empty() ? 1 : static_cast<int>(parts.size()); }
+  int num_levels() const { return level_cells.empty() ? 1 : static_cast<int>(level_cells.size()); }
   int level(int active) const { return levels.empty() ? 0 : levels[active]; }
   /// Return the size of an active cell: in units of the grid coordinates; m.
   double size(int active) const { return std::ldexp(1.0, -level(active)); }
@@ -80,9 +80,9 @@ struct CutCells {
   /// Return the active cell at an index triple of a level, or -1.
   int find(const Index3& c) const { return find(0, c); }
   int find(int level, const Index3& c) const {
-    if (parts.empty()) return numbers.find(c);
-    const int cell = parts[level].numbers.find(c);
-    return cell < 0 ? -1 : first_of_part[level] + cell;
+    if (level_cells.empty()) return numbers.find(c);
+    const int cell = level_cells[level].numbers.find(c);
+    return cell < 0 ? -1 : first_of_level[level] + cell;
   }
   /// Finds the active cell that contains the point (grid coordinates), or the nearest active cell within one cell, or
   /// -1.
@@ -100,14 +100,14 @@ Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi)
 Vec3 centroid(const CutCells& cut_cells, int active_cell);
 
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or
-/// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their pieces are cut there.
+/// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their facets are cut there.
 /// `tree`: which cells are refined; Grid::num_levels of the result is its number of levels.
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
                         const std::vector<Plane>& face_dividers = {}, const GeometryOptions& options = {},
                         const CellTree& tree = {});
 
-/// Adds quadrature points of the pieces of the given surfaces in one active cell, cut at the borders of declared faces
-/// and at the `dividers` (planes in grid coordinates, e.g. of another body's grid), so that the points of each piece
+/// Adds quadrature points of the facets of the given surfaces in one active cell, cut at the borders of declared faces
+/// and at the `dividers` (planes in grid coordinates, e.g. of another body's grid), so that the points of each facet
 /// lie on one side of all. On planes its rule integrates polynomials of total degree <= 2 order - 1 exactly, on curved
 /// surfaces polynomials in space of total degree <= order + 1 (to about 1e-9); weights are positive. Appends to
 /// `points`.

@@ -13,8 +13,8 @@ GridNumbers::GridNumbers(const Index3& extent) : extent_(extent) {
   words_per_row_ = std::max(1, (extent[0] + word_size - 1) / word_size);
 }
 
-GridNumbers::GridNumbers(const Index3& extent, const std::vector<Index3>& places) : GridNumbers(extent) {
-  for (const Index3& place : places) insert(place);
+GridNumbers::GridNumbers(const Index3& extent, const std::vector<Index3>& indices) : GridNumbers(extent) {
+  for (const Index3& index : indices) insert(index);
   number();
 }
 

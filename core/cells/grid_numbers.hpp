@@ -20,11 +20,11 @@ class GridNumbers {
   /// Starts without positions, out of those with 0 <= c[d] < extent[d].
   explicit GridNumbers(const Index3& extent);
   /// Numbers the given positions, in any order.
-  GridNumbers(const Index3& extent, const std::vector<Index3>& places);
+  GridNumbers(const Index3& extent, const std::vector<Index3>& indices);
 
   /// Adds a position, or `length` positions along x from `first` on; repeats do not count. Throws std::logic_error
   /// outside of the extent. Numbers hold after number().
-  void insert(const Index3& place) { insert_row(place, 1); }
+  void insert(const Index3& index) { insert_row(index, 1); }
   void insert_row(const Index3& first, int length);
   /// Numbers all positions. Throws InputError if there are more than 32-bit numbers hold.
   void number();
@@ -34,7 +34,7 @@ class GridNumbers {
 
   /// Returns the number of a position, -1 if it is not there or outside of the extent.
   int find(const Index3& c) const {
-    if (!contains_place(c)) return -1;
+    if (!contains_index(c)) return -1;
     const Word* word = find_word(key_of(c[0] / word_size, c[1], c[2]));
     return word ? word->find(c[0] % word_size) : -1;
   }
@@ -46,13 +46,13 @@ class GridNumbers {
   /// extent; first[0] > -64.
   std::uint64_t bits(const Index3& first) const;
 
-  /// Calls use(place) for all positions, by number.
+  /// Calls use(index) for all positions, by number.
   template <class Use>
   void each(const Use& use) const {
-    each_word([&](Index3 place, std::uint64_t bits, int) {
-      for (const int first = place[0]; bits != 0; bits &= bits - 1) {
-        place[0] = first + __builtin_ctzll(bits);
-        use(place);
+    each_word([&](Index3 index, std::uint64_t bits, int) {
+      for (const int first = index[0]; bits != 0; bits &= bits - 1) {
+        index[0] = first + __builtin_ctzll(bits);
+        use(index);
       }
     });
   }
@@ -84,7 +84,7 @@ class GridNumbers {
     }
   };
 
-  bool contains_place(const Index3& c) const {
+  bool contains_index(const Index3& c) const {
     return static_cast<unsigned>(c[0]) < static_cast<unsigned>(extent_[0]) &&
            static_cast<unsigned>(c[1]) < static_cast<unsigned>(extent_[1]) &&
            static_cast<unsigned>(c[2]) < static_cast<unsigned>(extent_[2]);

@@ -42,27 +42,27 @@ class MomentList {
       : all_(std::make_shared<std::vector<Moments>>(std::move(moments))), size_(all_->size()) {}
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  const Moments& operator[](std::size_t i) const { return (*all_)[place(i)]; }
+  const Moments& operator[](std::size_t i) const { return (*all_)[slot(i)]; }
   Iterator begin() const { return {*this, 0}; }
   Iterator end() const { return {*this, size_}; }
   MomentList slice(std::size_t first, std::size_t size) const {
-    MomentList part = *this;
+    MomentList result = *this;
     if (chosen_)
-      part.chosen_ =
+      result.chosen_ =
           std::make_shared<const std::vector<int>>(chosen_->begin() + first, chosen_->begin() + first + size);
     else
-      part.first_ += first;
-    part.size_ = size;
-    return part;
+      result.first_ += first;
+    result.size_ = size;
+    return result;
   }
   /// Selects those with these numbers.
   MomentList chosen(std::vector<int> numbers) const {
-    for (int& number : numbers) number = static_cast<int>(place(number));
-    MomentList part;
-    part.all_ = all_;
-    part.size_ = numbers.size();
-    part.chosen_ = std::make_shared<const std::vector<int>>(std::move(numbers));
-    return part;
+    for (int& number : numbers) number = static_cast<int>(slot(number));
+    MomentList result;
+    result.all_ = all_;
+    result.size_ = numbers.size();
+    result.chosen_ = std::make_shared<const std::vector<int>>(std::move(numbers));
+    return result;
   }
 
   Moments& operator[](std::size_t i) { return own()[i]; }
@@ -77,7 +77,7 @@ class MomentList {
   }
 
  private:
-  std::size_t place(std::size_t i) const { return chosen_ ? (*chosen_)[i] : first_ + i; }
+  std::size_t slot(std::size_t i) const { return chosen_ ? (*chosen_)[i] : first_ + i; }
   std::vector<Moments>& own() {
     if (!all_) all_ = std::make_shared<std::vector<Moments>>();
     if (all_.use_count() > 1 || size_ != all_->size() || chosen_) {

@@ -21,7 +21,7 @@ namespace {
 using Shape = DeckElement::Shape;
 
 constexpr int deepest_include = 10;
-constexpr int largest_number = 2'000'000'000;
+constexpr int max_number = 2'000'000'000;
 constexpr int num_components = 3;
 
 std::string capitals(std::string_view text) {
@@ -68,7 +68,7 @@ struct Block {
 };
 
 [[noreturn]] void fail(const Line& line, const std::string& problem, const std::string& allowed = {}) {
-  throw InputError(SourcePlace{line.file, line.number, ""}, "", problem, allowed);
+  throw InputError(SourceLocation{line.file, line.number, ""}, "", problem, allowed);
 }
 
 /// Splits a file, and those that it includes, into blocks.
@@ -164,7 +164,7 @@ bool is_whole(const std::string& text) {
 
 int integer_of(const Line& line, std::size_t field, const char* what) {
   const double value = number_of(line, field, what);
-  if (value != std::floor(value) || value < 0 || value > largest_number)
+  if (value != std::floor(value) || value < 0 || value > max_number)
     fail(line, fmt::format("\"{}\" is no whole number from 0 on", line.fields[field]), what);
   return static_cast<int>(value);
 }

@@ -19,13 +19,13 @@ namespace {
 std::vector<int> corners_of(const Deck& deck, const ElementSide& side) {
   const DeckElement& element = deck.elements.at(side.element);
   std::vector<int> corners = sides_of(element.shape)[side.side - 1];
-  const auto place = [&](int corner) { return deck.nodes.at(element.nodes[corner]); };
+  const auto position = [&](int corner) { return deck.nodes.at(element.nodes[corner]); };
   Vec3 middle = Vec3::Zero(), of_side = Vec3::Zero(), normal = Vec3::Zero();
   const int n = num_corners(element.shape);
-  for (int c = 0; c < n; ++c) middle += place(c) / n;
-  for (const int c : corners) of_side += place(c) / static_cast<double>(corners.size());
+  for (int c = 0; c < n; ++c) middle += position(c) / n;
+  for (const int c : corners) of_side += position(c) / static_cast<double>(corners.size());
   for (std::size_t k = 0; k < corners.size(); ++k)
-    normal += (place(corners[k]) - of_side).cross(place(corners[(k + 1) % corners.size()]) - of_side);
+    normal += (position(corners[k]) - of_side).cross(position(corners[(k + 1) % corners.size()]) - of_side);
   if (normal.dot(of_side - middle) < 0) std::reverse(corners.begin(), corners.end());
   return corners;
 }
@@ -39,9 +39,9 @@ std::vector<int> sorted_nodes(const Deck& deck, const ElementSide& side) {
 }
 
 /// Finds which of some things hang together.
-class Pieces {
+class ElementComponents {
  public:
-  explicit Pieces(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  explicit ElementComponents(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
   std::size_t of(std::size_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -85,7 +85,7 @@ void find_joints(const Deck& deck, DeckBodies& found) {
 }
 
 /// Bodies of one section are numbered.
-void name_apart(std::vector<DeckBody>& bodies) {
+void number_bodies(std::vector<DeckBody>& bodies) {
   std::map<std::string, int> count, number;
   for (const DeckBody& body : bodies) ++count[body.name];
   for (DeckBody& body : bodies)
@@ -141,15 +141,15 @@ DeckBodies find_bodies(const Deck& deck) {
                                    deck.file, entry.first));
     numbers.push_back(entry.first);
   }
-  Pieces pieces(numbers.size());
+  ElementComponents components(numbers.size());
   std::map<std::pair<int, std::string>, std::size_t> first_at;  // an element at each node, by material
   for (std::size_t i = 0; i < numbers.size(); ++i)
     for (const int node : deck.elements.at(numbers[i]).nodes)
-      pieces.join(i, first_at.try_emplace({node, deck.material_of_element.at(numbers[i])}, i).first->second);
+      components.join(i, first_at.try_emplace({node, deck.material_of_element.at(numbers[i])}, i).first->second);
   DeckBodies found;
-  std::map<std::size_t, std::size_t> body_of_piece;
+  std::map<std::size_t, std::size_t> body_of_component;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const auto [body, added] = body_of_piece.try_emplace(pieces.of(i), found.bodies.size());
+    const auto [body, added] = body_of_component.try_emplace(components.of(i), found.bodies.size());
     if (added) {
       found.bodies.emplace_back();
       found.bodies.back().material = deck.material_of_element.at(numbers[i]);
@@ -157,7 +157,7 @@ DeckBodies find_bodies(const Deck& deck) {
     }
     found.bodies[body->second].elements.insert(numbers[i]);
   }
-  name_apart(found.bodies);
+  number_bodies(found.bodies);
   for (DeckBody& body : found.bodies) find_outer_sides(deck, body);
   find_joints(deck, found);
   return found;
@@ -200,10 +200,10 @@ std::string surface_text(const Deck& deck, const DeckBody& body, std::vector<std
       for (const std::array<int, 3>& triangle : triangles_of(deck, side)) {
         triangles += "f";
         for (const int node : triangle) {
-          const auto [place, added] = number.try_emplace(node, number.size() + 1);
+          const auto [entry, added] = number.try_emplace(node, number.size() + 1);
           const Vec3& x = deck.nodes.at(node);
           if (added) points += fmt::format("v {:.17g} {:.17g} {:.17g}\n", x[0], x[1], x[2]);
-          triangles += fmt::format(" {}", place->second);
+          triangles += fmt::format(" {}", entry->second);
         }
         triangles += "\n";
       }

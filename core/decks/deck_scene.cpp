@@ -105,7 +105,7 @@ class SceneOfDeck {
                 c.line);
       return;
     }
-    tell_nodes_beside(c);
+    report_nodes_beside(c);
     if (c.kind == Kind::displacement) return hold(c, faces);
     if (c.kind != Kind::force)
       for (const std::string& face : faces) loads_ += load(face, "pressure = " + number(units_.stress * c.value));
@@ -123,7 +123,7 @@ class SceneOfDeck {
   }
 
   /// Nodes that no whole side has are not held, and their forces act on the sides that there are.
-  void tell_nodes_beside(const DeckCondition& c) {
+  void report_nodes_beside(const DeckCondition& c) {
     if (c.kind != DeckCondition::Kind::displacement && c.kind != DeckCondition::Kind::force) return;
     const std::set<int> nodes = deck_.nodes_of(c.set);
     std::set<int> on_sides;

@@ -21,7 +21,7 @@ constexpr double on_tolerance = 1e-10;
 constexpr int patch_subdivision = 2;
 /// Patches in a cell that are cut one by one. Each one can double the polyhedra; with more, cells are cut at the whole
 /// surface.
-constexpr std::size_t most_patches = 8;
+constexpr std::size_t max_patches = 8;
 /// Volume (cell units) below which polyhedra are rounding only.
 constexpr double min_volume = 1e-25;
 
@@ -67,7 +67,7 @@ class Clipper {
   void clip_cell(int active);
   void clip_cube(int active, const Index3& fine, int size, const std::vector<int>& surfaces);
   void clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces);
-  void bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& pieces);
+  void bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& divided);
   void emit_leaf(Tetrahedron leaf, const std::vector<int>& surfaces);
   void emit_hexahedron(const Hexahedron& hexahedron, const std::vector<int>& surfaces);
   void emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces);
@@ -113,7 +113,7 @@ class Clipper {
   mutable std::unordered_map<std::uint64_t, double> patch_distances_;
   mutable std::vector<Surface> alone_;  ///< BodyGeometry::surfaces_alone; empty until needed
   std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
-  std::vector<Tetrahedron> pieces_, next_pieces_;
+  std::vector<Tetrahedron> tetrahedra_, next_tetrahedra_;
   ClippedMesh mesh_;
 };
 
@@ -178,7 +178,7 @@ void Clipper::clip_cell(int active) {
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
   std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
   const bool endless = body_.has_endless_surfaces();
-  if (!endless && near.size() > most_patches) near.assign(1, whole_);
+  if (!endless && near.size() > max_patches) near.assign(1, whole_);
   const bool full = cut_cells_.cut_of_active[active] < 0;
   if (full && near.empty() && !cut_cells_.grid.is_quadtree()) {  // a quadtree's cells end where their layer does
     mesh_.interior.cells.push_back(active);
@@ -188,11 +188,11 @@ void Clipper::clip_cell(int active) {
   set_far_sides(centre, all_surfaces_);
   const bool curved =
       std::any_of(near.begin(), near.end(), [&](int s) { return is_patch(s) || surfaces_[s].max_curvature() > 0; });
-  const int parts = curved && !full ? subdivision_ : 1;
-  const int size = max_subdivision / parts;
-  for (int k = 0; k < parts; ++k)
-    for (int j = 0; j < parts; ++j)
-      for (int i = 0; i < parts; ++i) {
+  const int divisions = curved && !full ? subdivision_ : 1;
+  const int size = max_subdivision / divisions;
+  for (int k = 0; k < divisions; ++k)
+    for (int j = 0; j < divisions; ++j)
+      for (int i = 0; i < divisions; ++i) {
         const Index3 fine{c[0] * max_subdivision + i * size, c[1] * max_subdivision + j * size,
                           c[2] * max_subdivision + k * size};
         clip_cube(active, fine, size, near);
@@ -237,16 +237,16 @@ void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vec
 }
 
 void Clipper::clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces) {
-  pieces_.assign(1, tetrahedron);
+  tetrahedra_.assign(1, tetrahedron);
   for (int s : surfaces) {
-    next_pieces_.clear();
-    for (const Tetrahedron& piece : pieces_) bisect(piece, s, next_pieces_);
-    pieces_.swap(next_pieces_);
+    next_tetrahedra_.clear();
+    for (const Tetrahedron& t : tetrahedra_) bisect(t, s, next_tetrahedra_);
+    tetrahedra_.swap(next_tetrahedra_);
   }
-  for (const Tetrahedron& piece : pieces_) emit_leaf(piece, surfaces);
+  for (const Tetrahedron& t : tetrahedra_) emit_leaf(t, surfaces);
 }
 
-void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& pieces) {
+void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& divided) {
   int sides[4];
   for (int v = 0; v < 4; ++v) sides[v] = side(tetrahedron[v], surface);
   int first = -1, second = -1;
@@ -262,16 +262,16 @@ void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Te
       }
     }
   if (first < 0) {
-    pieces.push_back(tetrahedron);
+    divided.push_back(tetrahedron);
     return;
   }
   const int middle = edge_point(lowest.first, lowest.second, surface);
   Tetrahedron half = tetrahedron;
   half[first] = middle;
-  bisect(half, surface, pieces);
+  bisect(half, surface, divided);
   half = tetrahedron;
   half[second] = middle;
-  bisect(half, surface, pieces);
+  bisect(half, surface, divided);
 }
 
 /// Sets the sides of a polyhedron that no surface cuts: those of its points, or of its centroid when all points lie on
@@ -436,7 +436,7 @@ int Clipper::side(int point, int surface) const {
 /// Adds the facets of the boundary themselves, clipped cell by cell.
 void Clipper::add_facets() {
   std::map<std::pair<Index3, int>, int> adopter;  // of the facets of a patch in a cell without volume
-  for (const Adoption& adoption : cut_cells_.adoptions)
+  for (const MergedSliver& adoption : cut_cells_.adoptions)
     adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
   std::unordered_map<Vec3, int, PointHash> number;
   std::vector<int> corners;
@@ -585,7 +585,7 @@ ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip_level) {
     return mesh;
   };
   ClippedMesh mesh;
-  if (cut_cells.parts.empty()) {
+  if (cut_cells.level_cells.empty()) {
     mesh = clip(cut_cells);
     mesh.cut_cells = &cut_cells;
     return mesh;
@@ -593,10 +593,10 @@ ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip_level) {
   mesh.cut_cells = &cut_cells;
   mesh.level_of_cell = cut_cells.levels;
   for (int l = 0; l < cut_cells.num_levels(); ++l) {
-    CutCells level = cut_cells.parts[l];
-    level.solid = cut_cells.part_solids[l];
-    const int first = cut_cells.first_of_part[l];
-    for (const Adoption& adoption : cut_cells.adoptions)
+    CutCells level = cut_cells.level_cells[l];
+    level.solid = cut_cells.level_solids[l];
+    const int first = cut_cells.first_of_level[l];
+    for (const MergedSliver& adoption : cut_cells.adoptions)
       if (adoption.level == l && cut_cells.level(adoption.active) == l)
         level.adoptions.push_back({adoption.active - first, adoption.donor, adoption.surface});
     append_level(clip(level), l, first, mesh);
@@ -641,7 +641,7 @@ std::array<int, 8> ClippedMesh::interior_hexahedron(std::size_t i) const {
   return hexahedron;
 }
 
-ClippedMesh::Piece ClippedMesh::piece(std::size_t i) const {
+ClippedMesh::Polyhedron ClippedMesh::polyhedron(std::size_t i) const {
   if (i < hexahedra.size()) return {hexahedra[i], 8, cell_of_hexahedron[i]};
   i -= hexahedra.size();
   if (i >= tetrahedra.size()) {

@@ -53,13 +53,13 @@ struct ClippedMesh {
   /// Counts the interior ones too.
   std::size_t num_points() const { return points.size() + num_interior_points(); }
   /// Counts hexahedra, tetrahedra and interior cells, in this order.
-  std::size_t num_pieces() const { return hexahedra.size() + tetrahedra.size() + interior.cells.size(); }
-  struct Piece {
+  std::size_t num_polyhedra() const { return hexahedra.size() + tetrahedra.size() + interior.cells.size(); }
+  struct Polyhedron {
     std::array<int, 8> points;
     int num_points;  ///< 8: a hexahedron, VTK order; 4: a tetrahedron
     int cell;        ///< active cell
   };
-  Piece piece(std::size_t i) const;
+  Polyhedron polyhedron(std::size_t i) const;
   /// Return an interior point in its cell's coordinates; in grid coordinates.
   Vec3 interior_xi(std::size_t point) const;
   Vec3 interior_point(std::size_t point) const;

@@ -14,7 +14,7 @@ namespace {
 /// of a large one.
 constexpr double beside_edge = 0.05;
 /// Open edges from an end of an edge to the points that hang on it: with points on both sides one leads beyond the end.
-constexpr std::size_t most_steps = 4;
+constexpr std::size_t max_steps = 4;
 
 using Edge = std::uint64_t;
 
@@ -27,18 +27,18 @@ constexpr double one_point = 1e-6;
 std::vector<int> welded(const DrawnBody& body) {
   std::vector<int> first(body.position.size(), -1);
   const double reach = one_point * body.mesh.cut_cells->grid.cell_size_of(body.mesh.cut_cells->num_levels() - 1);
-  PointBuckets places(reach);
+  PointBuckets buckets(reach);
   for (const BoundaryTriangle& triangle : body.mesh.boundary)
     for (const int p : triangle.points) {
       if (first[p] >= 0) continue;
-      places.any_near(body.position[p], [&](int other) {
+      buckets.any_near(body.position[p], [&](int other) {
         if ((body.position[other] - body.position[p]).norm() > reach) return false;
         first[p] = other;
         return true;
       });
       if (first[p] >= 0) continue;
       first[p] = p;
-      places.add(body.position[p], p);
+      buckets.add(body.position[p], p);
     }
   return first;
 }
@@ -84,7 +84,7 @@ class OpenEdges {
   /// Points from which few open edges lead to a or b, without these.
   std::vector<int> reached(int a, int b) const {
     std::vector<int> points{a, b};
-    for (std::size_t first = 0, steps = 0; steps < most_steps; ++steps) {
+    for (std::size_t first = 0, steps = 0; steps < max_steps; ++steps) {
       const std::size_t last = points.size();
       for (; first < last; ++first)
         for (const int p : beside_.at(points[first]))

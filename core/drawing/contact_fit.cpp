@@ -81,8 +81,8 @@ ContactFit::Neighbours ContactFit::neighbours_of(const Vec3& x, double reach) {
 
 std::optional<ContactFit::Values> ContactFit::at(const Vec3& x, double cell) {
   Neighbours neighbours;
-  for (const double part : reaches) {
-    neighbours = neighbours_of(x, part * cell);
+  for (const double reach : reaches) {
+    neighbours = neighbours_of(x, reach * cell);
     if (neighbours.rows.size() >= enough_rows) break;
   }
   if (neighbours.rows.empty()) return std::nullopt;

@@ -35,7 +35,7 @@ Vertex between(const Vertex& a, const Vertex& b, int k) {
 }
 
 /// Clips a convex polygon to side * height k >= 0.
-Polygon part(const Polygon& polygon, int k, double side) {
+Polygon clipped(const Polygon& polygon, int k, double side) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
@@ -132,15 +132,15 @@ class Opening {
     if (all(0, -1) || (all(0, 1) && all(1, -1))) return keep(triangle);
     if (all(0, 1) && all(1, 1)) return;
     const Polygon whole{vertex(triangle.points[0]), vertex(triangle.points[1]), vertex(triangle.points[2])};
-    add(part(whole, 0, -1), triangle.cell, triangle.surface);
-    add(part(part(whole, 0, 1), 1, -1), triangle.cell, triangle.surface);
+    add(clipped(whole, 0, -1), triangle.cell, triangle.surface);
+    add(clipped(clipped(whole, 0, 1), 1, -1), triangle.cell, triangle.surface);
   }
 
   void add_sections(const std::array<int, 4>& tetrahedron, int cell) {
     for (int k = 0; k < 2; ++k) {
       if (!meets(tetrahedron, k)) continue;
       const Polygon polygon = section_of(tetrahedron, k);
-      add(part(polygon, 1 - k, 1), cell, -1);
+      add(clipped(polygon, 1 - k, 1), cell, -1);
     }
   }
 
@@ -203,16 +203,16 @@ DrawnBody interior_at(const DrawnBody& whole, const Vec3& corner, const std::arr
     for (int& p : hexahedron) p = static_cast<int>(std::lower_bound(points.begin(), points.end(), p) - points.begin());
   std::vector<int> interior;
   for (const int p : points) {
-    const auto place = static_cast<std::size_t>(p);
-    if (place >= mesh.points.size()) {
+    const auto index = static_cast<std::size_t>(p);
+    if (index >= mesh.points.size()) {
       interior.push_back(p - static_cast<int>(mesh.points.size()));
       continue;
     }
-    near.mesh.points.push_back(mesh.points[place]);
-    near.position.push_back(whole.position[place]);
-    near.mesh.cell_of_point.push_back(mesh.cell_of_point[place]);
-    if (!whole.displacement.empty()) near.displacement.push_back(whole.displacement[place]);
-    if (!whole.stress.empty()) near.stress.push_back(whole.stress[place]);
+    near.mesh.points.push_back(mesh.points[index]);
+    near.position.push_back(whole.position[index]);
+    near.mesh.cell_of_point.push_back(mesh.cell_of_point[index]);
+    if (!whole.displacement.empty()) near.displacement.push_back(whole.displacement[index]);
+    if (!whole.stress.empty()) near.stress.push_back(whole.stress[index]);
   }
   if (interior.empty()) return near;
   const PointValues values = whole.interior(mesh, interior);

@@ -14,7 +14,7 @@ namespace cgcontact {
 
 namespace {
 
-using PieceRows = std::map<std::pair<int, int>, std::vector<const ContactRow*>>;
+using FacetRows = std::map<std::pair<int, int>, std::vector<const ContactRow*>>;
 
 /// The elementary surface a row lies on.
 int surface_of_row(const CutCells& cut_cells, const ContactRow& row) {
@@ -22,12 +22,12 @@ int surface_of_row(const CutCells& cut_cells, const ContactRow& row) {
 }
 
 /// Rows of one body by active cell and surface.
-PieceRows rows_by_piece(const Results& results, int body) {
-  PieceRows pieces;
+FacetRows rows_by_facet(const Results& results, int body) {
+  FacetRows facets;
   const CutCells& cut_cells = *results.bodies[body].cut_cells;
   for (const ContactRow& row : results.contact_rows)
-    if (row.body == body) pieces[{row.cell, surface_of_row(cut_cells, row)}].push_back(&row);
-  return pieces;
+    if (row.body == body) facets[{row.cell, surface_of_row(cut_cells, row)}].push_back(&row);
+  return facets;
 }
 
 /// Appends a triangle with the inverse-distance mean of the rows; the gap is NaN where no row has anything opposite.
@@ -64,17 +64,17 @@ void add_triangle(const Vec3& centroid, double spacing, const std::vector<const 
   surface.wear.push_back(nearest_row->wear);
 }
 
-/// Pieces that hold rows but no triangle: slivers too thin to draw, whose face appears on a neighbouring cell.
-PieceRows undrawn_pieces(const DrawnBody& drawn, PieceRows pieces) {
-  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) pieces.erase({triangle.cell, triangle.surface});
-  return pieces;
+/// Facets that hold rows but no triangle: slivers too thin to draw, whose face appears on a neighbouring cell.
+FacetRows undrawn_facets(const DrawnBody& drawn, FacetRows facets) {
+  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) facets.erase({triangle.cell, triangle.surface});
+  return facets;
 }
 
 /// Rows of the triangle's cell and surface, or of an undrawn neighbour; nullptr if it is not on a contact face.
 const std::vector<const ContactRow*>* rows_of_triangle(const CutCells& cut_cells, const BoundaryTriangle& triangle,
-                                                       const PieceRows& pieces, const PieceRows& undrawn) {
-  const auto own = pieces.find({triangle.cell, triangle.surface});
-  if (own != pieces.end()) return &own->second;
+                                                       const FacetRows& facets, const FacetRows& undrawn) {
+  const auto own = facets.find({triangle.cell, triangle.surface});
+  if (own != facets.end()) return &own->second;
   if (undrawn.empty()) return nullptr;
   const std::vector<const ContactRow*>* found = nullptr;
   each_cell_beside(cut_cells, triangle.cell, [&](int neighbour) {
@@ -84,11 +84,11 @@ const std::vector<const ContactRow*>* rows_of_triangle(const CutCells& cut_cells
   return found;
 }
 
-void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows& pieces, ContactSurface& surface) {
-  const PieceRows undrawn = undrawn_pieces(drawn, pieces);
+void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const FacetRows& facets, ContactSurface& surface) {
+  const FacetRows undrawn = undrawn_facets(drawn, facets);
   std::vector<int> number(drawn.position.size(), -1);
   for (const BoundaryTriangle& triangle : drawn.mesh.boundary) {
-    const auto* rows = rows_of_triangle(cut_cells, triangle, pieces, undrawn);
+    const auto* rows = rows_of_triangle(cut_cells, triangle, facets, undrawn);
     if (!rows) continue;
     std::array<int, 3> points;
     Vec3 centroid = Vec3::Zero();
@@ -122,7 +122,7 @@ const ContactRow* largest_row(const Results& results, int pair) {
 }
 
 /// Means are below the largest pressure of a pair: the triangle nearest to it gets it.
-void place_largest_pressures(const Results& results, ContactSurface& surface) {
+void assign_largest_pressures(const Results& results, ContactSurface& surface) {
   for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair) {
     const ContactRow* const row = largest_row(results, pair);
     if (!row || !(row->pressure_sprc > 0)) continue;
@@ -189,16 +189,17 @@ constexpr double drawn_thickness = 0.02;
 /// Interior points whose values are in memory at a time: 5 MB.
 constexpr std::size_t points_per_block = 1 << 16;
 
-/// place(i): active cell and cell coordinates of the i-th of n points.
-template <class Place>
+/// cell_position(i): active cell and cell coordinates of the i-th of n points.
+template <class PositionOf>
 PointValues values_at(const std::function<Vec3(int cell, const Vec3& xi)>& displacement,
-                      const std::function<Sym3(int cell, const Vec3& xi)>& stress, std::size_t n, const Place& place) {
+                      const std::function<Sym3(int cell, const Vec3& xi)>& stress, std::size_t n,
+                      const PositionOf& cell_position) {
   PointValues values;
   if (displacement) values.displacement.resize(n);
   if (stress) values.stress.resize(n);
   if (displacement || stress)
     parallel_for("cgcontact::drawn_body::fields", n, grain_of_medium, [&](std::size_t i) {
-      const auto [cell, xi] = place(i);
+      const auto [cell, xi] = cell_position(i);
       if (displacement) values.displacement[i] = displacement(cell, xi);
       if (stress) values.stress[i] = stress(cell, xi);
     });
@@ -228,7 +229,7 @@ void each_interior_block(const DrawnBody& drawn, const std::function<void(int fi
 void redraw(const BodyFields& fields, DrawnBody& drawn) {
   const CutCells& cut_cells = *fields.cut_cells;
   const std::size_t n = drawn.mesh.points.size();
-  const auto place_of = [&](std::size_t p) {
+  const auto cell_position_of = [&](std::size_t p) {
     const int cell = drawn.mesh.cell_of_point[p];
     return std::make_pair(cell, clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]));
   };
@@ -238,9 +239,9 @@ void redraw(const BodyFields& fields, DrawnBody& drawn) {
     if (const Grid& grid = cut_cells.grid; grid.is_quadtree())  // not the slice, but the body
       drawn.position[p][grid.plane_strain] +=
           0.5 * (grid.is_axisymmetric() ? drawn_thickness * grid.unit_radius : grid.thickness) *
-          place_of(p).second[grid.plane_strain];
+          cell_position_of(p).second[grid.plane_strain];
   });
-  static_cast<PointValues&>(drawn) = values_at(fields.displacement, fields.stress_recovered, n, place_of);
+  static_cast<PointValues&>(drawn) = values_at(fields.displacement, fields.stress_recovered, n, cell_position_of);
   drawn.interior = [displacement = fields.displacement, stress = fields.stress_recovered,
                     stress_at_corners = fields.stress_at_corners](const ClippedMesh& mesh,
                                                                   const std::vector<int>& points) {
@@ -281,11 +282,11 @@ std::vector<DrawnBody> draw_bodies(const Results& results) {
 ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies) {
   ContactSurface surface;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const PieceRows pieces = rows_by_piece(results, static_cast<int>(b));
-    if (!pieces.empty()) add_body(bodies[b], *results.bodies[b].cut_cells, pieces, surface);
+    const FacetRows facets = rows_by_facet(results, static_cast<int>(b));
+    if (!facets.empty()) add_body(bodies[b], *results.bodies[b].cut_cells, facets, surface);
   }
   average_to_points(surface);
-  place_largest_pressures(results, surface);
+  assign_largest_pressures(results, surface);
   return surface;
 }
 

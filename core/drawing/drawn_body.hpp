@@ -34,14 +34,14 @@ Vec3 position_of(const DrawnBody& drawn, std::size_t point);
 /// memory.
 void each_interior_block(const DrawnBody& drawn, const std::function<void(int first, const PointValues& values)>& use);
 
-/// Of the material in an active cell, m^3; on a quadtree for the body's thickness.
+/// Returns the volume of the material in an active cell, m^3; on a quadtree for the body's thickness.
 double volume_of_cell(const CutCells& cut_cells, int cell);
 /// The estimated error of the stress in an active cell: the uniaxial stress of the error's energy, Pa.
 double stress_error(const BodyFields& body, int cell);
 
 DrawnBody draw_body(const BodyFields& fields);
 std::vector<DrawnBody> draw_bodies(const Results& results);
-/// Another mesh of the same body, for example of a part of it.
+/// Another mesh of the same body, for example of a region of it.
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);
 /// Other fields of the same body, for example those of another step, at the points that it has.
 void redraw(const BodyFields& fields, DrawnBody& drawn);
@@ -66,7 +66,7 @@ struct ContactSurface {
   std::size_t size() const { return triangles.size(); }
 };
 
-/// The contact faces are the pieces of surface, cell by cell, that hold contact rows.
+/// The contact faces are the facets of the surface, cell by cell, that hold contact rows.
 ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies);
 
 }  // namespace cgcontact

@@ -16,9 +16,9 @@ namespace {
 constexpr double invisible = 1e-3;
 /// Fraction of a body's second shortest extent within which its share falls to zero; the shortest may be that of a
 /// slice.
-constexpr double reach_part = 0.25;
+constexpr double reach_fraction = 0.25;
 /// Fraction of the reach: the cubes in which closed points are gathered.
-constexpr double cube_part = 0.2;
+constexpr double cube_fraction = 0.2;
 
 struct Extent {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
@@ -33,12 +33,12 @@ struct Extent {
 
 /// Closed contact of one body and pair: points with outward normals.
 struct ClosedFace {
-  std::vector<Vec3> place, normal;
+  std::vector<Vec3> position, normal;
 };
 
 ClosedFace closed_face(const Results& results, int body, int pair, double cube) {
   struct Sum {
-    Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
+    Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
     double area = 0;
   };
   std::map<std::array<long long, 3>, Sum> cubes;
@@ -47,14 +47,14 @@ ClosedFace closed_face(const Results& results, int body, int pair, double cube) 
     std::array<long long, 3> key;
     for (int k = 0; k < 3; ++k) key[k] = static_cast<long long>(std::floor(row.x[k] / cube));
     Sum& sum = cubes[key];
-    sum.place += row.weight * row.x;
+    sum.position += row.weight * row.x;
     sum.normal += row.weight * row.normal;
     sum.area += row.weight;
   }
   ClosedFace face;
   for (const auto& [key, sum] : cubes) {
     if (!(sum.area > 0) || !(sum.normal.norm() > 0.1 * sum.area)) continue;
-    face.place.push_back(sum.place / sum.area);
+    face.position.push_back(sum.position / sum.area);
     face.normal.push_back(sum.normal.normalized());
   }
   return face;
@@ -74,21 +74,21 @@ double drawn_gap(const Results& results, int pair, double exaggeration) {
 
 void close(const ClosedFace& face, double share, double reach, double exaggeration, DrawnBody& body) {
   PointBuckets buckets(reach);
-  for (std::size_t k = 0; k < face.place.size(); ++k) buckets.add(face.place[k], static_cast<int>(k));
-  const double width = 0.5 * cube_part * reach;
+  for (std::size_t k = 0; k < face.position.size(); ++k) buckets.add(face.position[k], static_cast<int>(k));
+  const double width = 0.5 * cube_fraction * reach;
   parallel_for("cgcontact::drawn_fits::closed_gaps", body.position.size(), 512, [&](std::size_t p) {
     double nearest = reach, total = 0;
     Vec3 normal = Vec3::Zero();
     buckets.each_near(body.position[p],
-                      [&](int k) { nearest = std::min(nearest, (face.place[k] - body.position[p]).norm()); });
+                      [&](int k) { nearest = std::min(nearest, (face.position[k] - body.position[p]).norm()); });
     if (nearest >= reach) return;
     buckets.each_near(body.position[p], [&](int k) {
-      const double distance = (face.place[k] - body.position[p]).norm() - nearest;
+      const double distance = (face.position[k] - body.position[p]).norm() - nearest;
       const double weight = std::exp(-0.5 * distance * distance / (width * width));
       normal += weight * face.normal[k];
       total += weight;
     });
-    const double fall = 1 - std::max(0.0, nearest - cube_part * reach) / (reach * (1 - cube_part));
+    const double fall = 1 - std::max(0.0, nearest - cube_fraction * reach) / (reach * (1 - cube_fraction));
     if (total > 0 && normal.norm() > 0) body.displacement[p] += share / exaggeration * fall * normal.normalized();
   });
 }
@@ -107,9 +107,9 @@ void draw_fits_closed(const Results& results, double exaggeration, std::vector<D
       extent.add(bodies[b]);
       Vec3 sides = extent.sides();
       std::sort(sides.begin(), sides.end());
-      const double reach = reach_part * sides[1];
-      const ClosedFace face = closed_face(results, b, pair, cube_part * reach);
-      if (!face.place.empty()) close(face, gap / 2, reach, exaggeration, bodies[b]);
+      const double reach = reach_fraction * sides[1];
+      const ClosedFace face = closed_face(results, b, pair, cube_fraction * reach);
+      if (!face.position.empty()) close(face, gap / 2, reach, exaggeration, bodies[b]);
     }
   }
 }

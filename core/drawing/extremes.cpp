@@ -19,38 +19,38 @@ constexpr double closed_form_error = 1e-6;
 /// Extremes of values that come one by one.
 class Collector {
  public:
-  void displacement(const Vec3& x, const Vec3& u) { raise(u.norm(), x, most_.displacement); }
+  void displacement(const Vec3& x, const Vec3& u) { raise(u.norm(), x, max_.displacement); }
   /// The exact principal stresses, which take iterations, only where they may be more than those before.
   void stress(const Vec3& x, const Sym3& s) {
     const double mises = von_mises(s);
-    raise(mises, x, most_.von_mises);
+    raise(mises, x, max_.von_mises);
     if (any_stress_ && !may_raise_principal(s, mises)) return;
     const Vec3 principal = principal_stresses(s);
-    raise(principal[0] - principal[2], x, most_.tresca);
-    if (!any_stress_ || principal[0] > most_.tension.value) most_.tension = {principal[0], x};
-    if (!any_stress_ || principal[2] < most_.compression.value) most_.compression = {principal[2], x};
+    raise(principal[0] - principal[2], x, max_.tresca);
+    if (!any_stress_ || principal[0] > max_.tension.value) max_.tension = {principal[0], x};
+    if (!any_stress_ || principal[2] < max_.compression.value) max_.compression = {principal[2], x};
     any_stress_ = true;
   }
   void pressure(const Vec3& x, double p) {
-    if (!most_.pressure) most_.pressure = Extreme{0, x};
-    raise(p, x, *most_.pressure);
+    if (!max_.pressure) max_.pressure = Extreme{0, x};
+    raise(p, x, *max_.pressure);
   }
 
   /// Adds later extremes; of equal values the earlier one stays.
   void merge(const Collector& later) {
-    const Extremes& other = later.most_;
+    const Extremes& other = later.max_;
     for (Extreme Extremes::*kind : {&Extremes::displacement, &Extremes::von_mises, &Extremes::tresca})
-      raise((other.*kind).value, (other.*kind).at, most_.*kind);
-    if (later.any_stress_ && (!any_stress_ || other.tension.value > most_.tension.value)) most_.tension = other.tension;
-    if (later.any_stress_ && (!any_stress_ || other.compression.value < most_.compression.value))
-      most_.compression = other.compression;
+      raise((other.*kind).value, (other.*kind).at, max_.*kind);
+    if (later.any_stress_ && (!any_stress_ || other.tension.value > max_.tension.value)) max_.tension = other.tension;
+    if (later.any_stress_ && (!any_stress_ || other.compression.value < max_.compression.value))
+      max_.compression = other.compression;
     any_stress_ |= later.any_stress_;
   }
 
   Extremes finish(const Material& material) {
-    if (material.yield_stress && most_.von_mises.value > 0)
-      most_.safety_factor = *material.yield_stress / most_.von_mises.value;
-    return most_;
+    if (material.yield_stress && max_.von_mises.value > 0)
+      max_.safety_factor = *material.yield_stress / max_.von_mises.value;
+    return max_;
   }
 
  private:
@@ -60,12 +60,12 @@ class Collector {
     const double mean = (s[0] + s[1] + s[2]) / 3, r = 2.0 / 3.0 * mises;
     const double slack = closed_form_error * (std::abs(mean) + r);
     const auto raises = [&](double tension, double compression) {
-      return tension + slack >= most_.tension.value || compression - slack <= most_.compression.value ||
-             tension - compression + slack >= most_.tresca.value;
+      return tension + slack >= max_.tension.value || compression - slack <= max_.compression.value ||
+             tension - compression + slack >= max_.tresca.value;
     };
     const double a = s[0] - mean, b = s[1] - mean, c = s[2] - mean;
-    const bool bound_raises = mean + r + slack >= most_.tension.value || mean - r - slack <= most_.compression.value ||
-                              std::sqrt(3.0) * r + slack >= most_.tresca.value;
+    const bool bound_raises = mean + r + slack >= max_.tension.value || mean - r - slack <= max_.compression.value ||
+                              std::sqrt(3.0) * r + slack >= max_.tresca.value;
     if (!bound_raises || r == 0) return bound_raises;
     const double determinant =
         a * (b * c - s[4] * s[4]) - s[3] * (s[3] * c - s[4] * s[5]) + s[5] * (s[3] * s[4] - b * s[5]);
@@ -78,7 +78,7 @@ class Collector {
     if (value > most.value) most = {value, x};
   }
 
-  Extremes most_;
+  Extremes max_;
   bool any_stress_ = false;
 };
 
@@ -91,7 +91,7 @@ class BodySearch {
   Extremes whole() const {
     Collector most;
     add_points(
-        drawn_, [&](std::size_t p) { return place_of(p); }, drawn_.position.size(), most);
+        drawn_, [&](std::size_t p) { return position_in_layer(p); }, drawn_.position.size(), most);
     each_interior_block(drawn_, [&](int first, const PointValues& values) {
       const std::size_t size = std::max(values.displacement.size(), values.stress.size());
       add_points(
@@ -107,7 +107,7 @@ class BodySearch {
     for (const Surface& surface : cells_.solid.surfaces()) selected.push_back(face.selects(surface.names));
     Collector most;
     const std::set<int> points = drawn_points(face, selected);
-    for (const int p : points) add_point(drawn_, p, place_of(p), most);
+    for (const int p : points) add_point(drawn_, p, position_in_layer(p), most);
     if (points.empty()) add_boundary(face, selected, most);
     for (const ContactRow& row : results_.contact_rows) {
       if (row.body != body_) continue;
@@ -126,7 +126,7 @@ class BodySearch {
   }
 
   /// Returns the position of a point; in its half-plane for a body of revolution, which is drawn with a thickness.
-  Vec3 place_of(std::size_t point) const {
+  Vec3 position_in_layer(std::size_t point) const {
     const Vec3& x = drawn_.position[point];
     return cells_.grid.is_axisymmetric() ? cells_.grid.in_layer(x) : x;
   }
@@ -158,8 +158,8 @@ class BodySearch {
   void add_boundary(const FaceSpec& face, const std::vector<char>& selected, Collector& most) const {
     const BoundaryPoints& boundary = cells_.boundary;
     for (std::size_t i = 0; i < boundary.size(); ++i) {
-      if (!selected[boundary.surface[i]] || !face.contains(cells_.grid.to_global(boundary.position_of_piece(i)),
-                                                           cells_.grid.rotation * boundary.normal_of_piece(i)))
+      if (!selected[boundary.surface[i]] || !face.contains(cells_.grid.to_global(boundary.position_of_facet(i)),
+                                                           cells_.grid.rotation * boundary.normal_of_facet(i)))
         continue;
       const Vec3 x = cells_.grid.to_global(boundary.position[i]);
       const Vec3 xi = clamped_cell_coordinates(cells_, boundary.cell[i], boundary.position[i]);

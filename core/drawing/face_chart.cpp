@@ -144,7 +144,7 @@ void FaceChart::project(const Vec3& mean_normal, int axis) {
 /// About the axis, counted from `eye` towards `right`: so that `right` is the arc's direction seen from outside.
 double FaceChart::angle(const Vec3& x) const { return std::atan2(right_.dot(x - centre_), eye_.dot(x - centre_)); }
 
-Vec3 FaceChart::place(const Vec3& x, const Vec3& near) const {
+Vec3 FaceChart::position(const Vec3& x, const Vec3& near) const {
   if (!unrolled()) return {right_.dot(x), up_.dot(x), eye_.dot(x)};
   const double middle = wrapped_angle(angle(near) - middle_angle_);
   return {radius_ * (middle + wrapped_angle(angle(x) - angle(near))), up_.dot(x), 0};

@@ -25,8 +25,8 @@ class FaceChart {
   explicit FaceChart(const FaceTriangles& face);
 
   /// Returns the chart position of x in a triangle near `near`, so that no triangle of a closed cylinder is torn.
-  Vec3 place(const Vec3& x, const Vec3& near) const;
-  Vec3 place(const Vec3& x) const { return place(x, x); }
+  Vec3 position(const Vec3& x, const Vec3& near) const;
+  Vec3 position(const Vec3& x) const { return position(x, x); }
   /// Returns whether the picture is seen from inside the body: triangles are to be turned round.
   bool mirrored() const { return mirrored_; }
   bool unrolled() const { return radius_ > 0; }

@@ -22,7 +22,7 @@ double area_factor(const Grid& grid) { return grid.slices() * grid.cell_size * g
 MarkedFaces::MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bodies) : scene_(scene), bodies_(bodies) {
   for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
     std::vector<FaceRef>& faces = declared_faces_.emplace_back();
-    for (const FaceSpec& face : scene.bodies[b].faces) faces.push_back({b, face, face.place});
+    for (const FaceSpec& face : scene.bodies[b].faces) faces.push_back({b, face, face.location});
   }
   for (const std::vector<FaceRef>& faces : declared_faces_) {
     std::vector<Selected>& selected = declared_.emplace_back();
@@ -46,8 +46,8 @@ FaceTraction MarkedFaces::resultant_of(int load) const {
   const BoundaryPoints& points = bodies_[body].cut_cells->boundary;
   FaceMoments moments;
   for (std::size_t p = 0; p < points.size(); ++p)
-    if (contains(loads_[load], body, points.surface[p], grid.to_global(points.position_of_piece(p)),
-                 grid.rotation * points.normal_of_piece(p)))
+    if (contains(loads_[load], body, points.surface[p], grid.to_global(points.position_of_facet(p)),
+                 grid.rotation * points.normal_of_facet(p)))
       moments.add(grid.to_global(points.position[p]), grid.rotation * points.normal[p],
                   points.weight[p] * area_factor(grid));
   return moments.area() > 0 ? spec.resulting_traction(moments) : FaceTraction();
@@ -157,9 +157,9 @@ void MarkedFaces::add_body(int b) {
   const std::size_t first = regions_.size();
   for (std::size_t p = 0; p < points.size(); ++p) {
     const Vec3 x = grid.to_global(points.position[p]), n = grid.rotation * points.normal[p];
-    const Vec3 piece = grid.to_global(points.position_of_piece(p)),
-               piece_normal = grid.rotation * points.normal_of_piece(p);
-    add_point(key_at(b, points.cell[p], points.surface[p], piece, piece_normal), x, n,
+    const Vec3 facet_position = grid.to_global(points.position_of_facet(p)),
+               facet_normal = grid.rotation * points.normal_of_facet(p);
+    add_point(key_at(b, points.cell[p], points.surface[p], facet_position, facet_normal), x, n,
               points.weight[p] * area_factor(grid));
   }
   for (std::size_t r = first; r < regions_.size(); ++r) finish(regions_[r], acting_[r]);

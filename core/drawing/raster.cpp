@@ -89,13 +89,13 @@ inline void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle,
   pixel.depth = depth;
   for (int c = 0; c < 3; ++c) pixel.colour[c] = static_cast<unsigned char>(factor * colour[c] + 0.5);
   pixel.normal = screen.normal;
-  pixel.part = screen.part;
+  pixel.region = screen.region;
 }
 
-void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int part, double shading) {
+void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int region, double shading) {
   Screen screen;
   if (!project(triangle, shading, screen)) return;
-  screen.part = part;
+  screen.region = region;
   const auto range = [](const double* c, int size) {
     const double first = std::ceil(std::min({c[0], c[1], c[2]}) - 0.5);
     const double last = std::floor(std::max({c[0], c[1], c[2]}) - 0.5);
@@ -135,11 +135,11 @@ std::array<int, 2> RasterImage::columns_of_row(const Screen& screen, int row, co
   return {static_cast<int>(std::min(first, columns[1] + 1.0)), static_cast<int>(std::max(last, columns[0] - 1.0))};
 }
 
-/// Returns whether two neighbouring pixels show different components, or points of one that are apart or meet at an
+/// Returns whether two neighbouring pixels show different regions, or points of one that are apart or meet at an
 /// edge.
 inline bool RasterImage::are_apart(const Pixel& a, const Pixel& b) {
-  if (a.part != b.part) return true;
-  if (a.part < 0) return false;
+  if (a.region != b.region) return true;
+  if (a.region < 0) return false;
   const int product = a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] + a.normal[2] * b.normal[2];
   return product < static_cast<int>(edge_cosine * normal_length * normal_length) ||
          std::abs(a.depth - b.depth) > depth_apart;
@@ -163,26 +163,26 @@ std::vector<std::size_t> RasterImage::outline_pixels() const {
 /// becomes what is beside it.
 void RasterImage::mend_speck(int x, int y) {
   if (x == 0 || y == 0 || x + 1 == width_ || y + 1 == height_) return;
-  const std::size_t place = static_cast<std::size_t>(y) * width_ + x;
-  Pixel& here = fine_[place];
-  const Pixel &left = fine_[place - 1], &right = fine_[place + 1], &below = fine_[place - width_],
-              &above = fine_[place + width_];
+  const std::size_t index = static_cast<std::size_t>(y) * width_ + x;
+  Pixel& here = fine_[index];
+  const Pixel &left = fine_[index - 1], &right = fine_[index + 1], &below = fine_[index - width_],
+              &above = fine_[index + width_];
   for (const Pixel* other : {&left, &right, &below, &above})
-    if (other->part < 0 || !are_apart(here, *other)) return;
+    if (other->region < 0 || !are_apart(here, *other)) return;
   if (!are_apart(left, right) && !are_apart(below, above) && !are_apart(left, below)) here = left;
 }
 
 void RasterImage::draw_outlines() {
   std::vector<std::size_t> outline = outline_pixels();
-  const auto column = [&](std::size_t place) { return static_cast<int>(place % width_); };
-  const auto row = [&](std::size_t place) { return static_cast<int>(place / width_); };
-  for (std::size_t place : outline) mend_speck(column(place), row(place));
+  const auto column = [&](std::size_t index) { return static_cast<int>(index % width_); };
+  const auto row = [&](std::size_t index) { return static_cast<int>(index / width_); };
+  for (std::size_t index : outline) mend_speck(column(index), row(index));
   outline.erase(std::remove_if(outline.begin(), outline.end(),
-                               [&](std::size_t place) { return !is_outline(column(place), row(place)); }),
+                               [&](std::size_t index) { return !is_outline(column(index), row(index)); }),
                 outline.end());
   const int reach = oversampling_ / 2;
-  for (std::size_t place : outline) {
-    const int x = column(place), y = row(place);
+  for (std::size_t index : outline) {
+    const int x = column(index), y = row(index);
     for (int j = std::max(0, y - reach); j <= std::min(height_ - 1, y + reach); ++j)
       for (int i = std::max(0, x - reach); i <= std::min(width_ - 1, x + reach); ++i) {
         fine_[static_cast<std::size_t>(j) * width_ + i].colour = {outline_grey, outline_grey, outline_grey};
@@ -210,12 +210,12 @@ std::string RasterImage::pixels() const {
   return bytes;
 }
 
-std::vector<int> RasterImage::parts() const {
-  std::vector<int> parts;
+std::vector<int> RasterImage::regions() const {
+  std::vector<int> regions;
   for (int y = oversampling_ / 2; y < height_; y += oversampling_)
     for (int x = oversampling_ / 2; x < width_; x += oversampling_)
-      parts.push_back(fine_[static_cast<std::size_t>(y) * width_ + x].part);
-  return parts;
+      regions.push_back(fine_[static_cast<std::size_t>(y) * width_ + x].region);
+  return regions;
 }
 
 }  // namespace cgcontact

@@ -33,18 +33,18 @@ class RasterImage {
   RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour);
 
   /// Draws a triangle. `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light.
-  /// `part` (a body, a face) is what outlines separate.
-  void draw(const std::array<RasterVertex, 3>& triangle, int part, double shading);
+  /// `region` (a body, a face) is what outlines separate.
+  void draw(const std::array<RasterVertex, 3>& triangle, int region, double shading);
   void draw_outlines();
   /// Bytes red, green, blue by row from the bottom, white where nothing was drawn.
   std::string pixels() const;
-  /// Returns the `part` seen in each pixel, by row from the bottom; -1: none.
-  std::vector<int> parts() const;
+  /// Returns the `region` seen in each pixel, by row from the bottom; -1: none.
+  std::vector<int> regions() const;
 
  private:
   struct Pixel {
     float depth;
-    int part;
+    int region;
     std::array<unsigned char, 3> colour;
     std::array<signed char, 3> normal;  ///< of length 127
   };
@@ -57,7 +57,7 @@ class RasterImage {
     Vec3 line_strength;                 ///< of the grid lines across each axis
     std::array<double, 3> colour;       ///< of a triangle of one value
     double shade;
-    int part;
+    int region;
     bool plain;  ///< of one value
   };
   /// Returns false if the triangle is seen from behind or from the side.

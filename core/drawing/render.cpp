@@ -50,18 +50,18 @@ RenderedImage render(const std::array<int, 2>& size, const Camera& camera, Colou
   parallel_for("cgcontact::render::strips", num_strips, 1, [&](std::size_t s) {
     const int first = static_cast<int>(s) * strip_rows, rows = std::min(strip_rows, size[1] - first);
     const int below = std::min(outline_reach, first), above = std::min(outline_reach, size[1] - first - rows);
-    Camera part_of_view = camera;
-    part_of_view.low[1] += (first - below) / camera.pixels_per_metre;
-    RasterImage strip(size[0], below + rows + above, oversampling, part_of_view, colour);
+    Camera strip_camera = camera;
+    strip_camera.low[1] += (first - below) / camera.pixels_per_metre;
+    RasterImage strip(size[0], below + rows + above, oversampling, strip_camera, colour);
     for (std::size_t i : strips[s]) {
       const RasterTriangle drawn = triangle(i);
-      strip.draw(drawn.vertices, drawn.part, shading);
+      strip.draw(drawn.vertices, drawn.region, shading);
     }
     strip.draw_outlines();
     std::copy_n(strip.pixels().data() + 3 * num_pixels(below), 3 * num_pixels(rows),
                 image.pixels.data() + 3 * num_pixels(first));
-    const std::vector<int> parts = strip.parts();
-    std::copy_n(parts.data() + num_pixels(below), num_pixels(rows), image.parts.data() + num_pixels(first));
+    const std::vector<int> regions = strip.regions();
+    std::copy_n(regions.data() + num_pixels(below), num_pixels(rows), image.regions.data() + num_pixels(first));
   });
   return image;
 }

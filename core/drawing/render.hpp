@@ -12,13 +12,13 @@ namespace cgcontact {
 
 struct RasterTriangle {
   std::array<RasterVertex, 3> vertices;  ///< counterclockwise seen from outside; seen from inside it is not drawn
-  int part = 0;                          ///< outlines separate different ones
+  int region = 0;                        ///< outlines separate different ones
 };
 
 struct RenderedImage {
   int width = 0, height = 0;
-  std::string pixels;      ///< bytes red, green, blue, by row from the bottom
-  std::vector<int> parts;  ///< of each pixel, -1: nothing there
+  std::string pixels;        ///< bytes red, green, blue, by row from the bottom
+  std::vector<int> regions;  ///< of each pixel, -1: nothing there
 };
 
 /// Draws triangle(0) .. triangle(count - 1); `triangle` is called more than once for each, from several threads.

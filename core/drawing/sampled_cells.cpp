@@ -37,7 +37,7 @@ Index3 parent_of(const Index3& c, int flat_axis) {
 /// Cells that are drawn as one cube.
 struct Block {
   int level = 0;  ///< of a cell; below zero: larger than all cells
-  Index3 place;
+  Index3 position;
   std::array<int, 8> cell_of_corner;  ///< the active cell that has it, or is nearest to it
   double error = 0;
   unsigned char status = 0;
@@ -55,7 +55,7 @@ class Blocks {
     for (int c = 0; c < static_cast<int>(cells_.cells.size()); ++c) {
       Block block;
       block.level = cells_.level(c);
-      block.place = cells_.cells[c];
+      block.position = cells_.cells[c];
       block.cell_of_corner.fill(c);
       if (!body.error_of_cell.empty()) block.error = stress_error(body, c);
       if (!body.patch_status.empty()) block.status = body.patch_status[c];
@@ -74,10 +74,10 @@ class Blocks {
  private:
   double size_of(int level) const { return cells_.grid.cell_size_of(0) * std::ldexp(1.0, -level); }
 
-  bool is_near_zone(int level, const Index3& place) const {
+  bool is_near_zone(int level, const Index3& position) const {
     const double size = size_of(level);
-    const Vec3 middle =
-        cells_.grid.to_global(std::ldexp(1.0, -level) * (Vec3(place[0], place[1], place[2]) + Vec3::Constant(0.5)));
+    const Vec3 middle = cells_.grid.to_global(std::ldexp(1.0, -level) *
+                                              (Vec3(position[0], position[1], position[2]) + Vec3::Constant(0.5)));
     return std::any_of(zones_.begin(), zones_.end(), [&](const SceneBox& zone) {
       const Vec3 outside = (zone.low - middle).cwiseMax(middle - zone.high).cwiseMax(0);
       return outside.norm() < near_zone_ * size;
@@ -90,34 +90,34 @@ class Blocks {
     waiting_.erase(level);
     std::unordered_map<Key, std::vector<std::size_t>> families;
     for (std::size_t i = 0; i < blocks.size(); ++i)
-      families[key_of(parent_of(blocks[i].place, flat_axis_))].push_back(i);
+      families[key_of(parent_of(blocks[i].position, flat_axis_))].push_back(i);
     std::unordered_set<Key> divided;  // on the larger level: those that hold blocks which stay
     for (const Key key : divided_) {
-      const Index3 place{static_cast<int>(key & 0x1fffff), static_cast<int>(key >> 21 & 0x1fffff),
-                         static_cast<int>(key >> 42)};
-      divided.insert(key_of(parent_of(place, flat_axis_)));
+      const Index3 position{static_cast<int>(key & 0x1fffff), static_cast<int>(key >> 21 & 0x1fffff),
+                            static_cast<int>(key >> 42)};
+      divided.insert(key_of(parent_of(position, flat_axis_)));
     }
     for (const auto& [key, members] : families) {
-      const Index3 place = parent_of(blocks[members.front()].place, flat_axis_);
-      if (divided.count(key) || is_near_zone(level - 1, place)) {
+      const Index3 position = parent_of(blocks[members.front()].position, flat_axis_);
+      if (divided.count(key) || is_near_zone(level - 1, position)) {
         for (const std::size_t i : members) done_.push_back(blocks[i]);
         divided.insert(key);
         continue;
       }
-      waiting_[level - 1].push_back(joined(blocks, members, level - 1, place));
+      waiting_[level - 1].push_back(joined(blocks, members, level - 1, position));
       count_ -= members.size() - 1;
     }
     divided_ = std::move(divided);
   }
 
   Block joined(const std::vector<Block>& blocks, const std::vector<std::size_t>& members, int level,
-               const Index3& place) const {
+               const Index3& position) const {
     Block block;
     block.level = level;
-    block.place = place;
+    block.position = position;
     std::array<const Block*, 8> child{};
     for (const std::size_t i : members) {
-      const Index3& c = blocks[i].place;
+      const Index3& c = blocks[i].position;
       int octant = 0;
       for (int k = 0; k < 3; ++k)
         if (k != flat_axis_) octant |= (c[k] & 1) << k;
@@ -158,15 +158,15 @@ class Corners {
   void add(const Block& block) {
     std::array<int, 8> corners;
     for (int c = 0; c < 8; ++c) {
-      Index3 place = block.place;
+      Index3 position = block.position;
       for (int k = 0; k < 3; ++k) {
-        place[k] += c >> k & 1;
-        place[k] <<= finest_ - block.level;
+        position[k] += c >> k & 1;
+        position[k] <<= finest_ - block.level;
       }
-      if (is_flat()) place[flat_axis()] = c >> flat_axis() & 1;
-      const auto [found, is_new] = number_.try_emplace(key_of(place), static_cast<int>(places_.size()));
+      if (is_flat()) position[flat_axis()] = c >> flat_axis() & 1;
+      const auto [found, is_new] = number_.try_emplace(key_of(position), static_cast<int>(positions_.size()));
       if (is_new) {
-        places_.push_back(place);
+        positions_.push_back(position);
         cell_.push_back(block.cell_of_corner[c]);
       }
       corners[c] = found->second;
@@ -176,17 +176,17 @@ class Corners {
   }
 
   void set_values() {
-    const std::size_t n = places_.size();
+    const std::size_t n = positions_.size();
     sampled_.position.resize(n);
     sampled_.displacement.assign(n, Vec3::Zero());
     if (body_.stress_recovered) sampled_.stress.resize(n);
     parallel_for("cgcontact::sampled_cells::values", n, grain_of_medium, [&](std::size_t i) {
-      Vec3 x = std::ldexp(1.0, -finest_) * Vec3(places_[i][0], places_[i][1], places_[i][2]);
+      Vec3 x = std::ldexp(1.0, -finest_) * Vec3(positions_[i][0], positions_[i][1], positions_[i][2]);
       if (is_flat()) x[flat_axis()] = 0;
       sampled_.position[i] = cells_.grid.to_global(x);
       Vec3 xi = clamped_cell_coordinates(cells_, cell_[i], x);
       if (is_flat()) {
-        xi[flat_axis()] = 2 * places_[i][flat_axis()] - 1;
+        xi[flat_axis()] = 2 * positions_[i][flat_axis()] - 1;
         sampled_.position[i][flat_axis()] += 0.5 * cells_.grid.thickness * xi[flat_axis()];
       }
       if (body_.displacement) sampled_.displacement[i] = body_.displacement(cell_[i], xi);
@@ -203,7 +203,7 @@ class Corners {
   int finest_;
   SampledCells& sampled_;
   std::unordered_map<Key, int> number_;
-  std::vector<Index3> places_;
+  std::vector<Index3> positions_;
   std::vector<int> cell_;
 };
 

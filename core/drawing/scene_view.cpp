@@ -89,12 +89,12 @@ void look_from_corner(const std::vector<DrawnBody>& bodies, Camera& camera) {
 }
 
 /// Centre and main direction of the closed contact, if it lies inside the scene.
-struct ContactPlace {
+struct ContactCentre {
   Vec3 centre;
   int axis;  ///< coordinate axis nearest to the normal
 };
 
-std::optional<ContactPlace> contact_inside(const Results& results, const SceneBox& box) {
+std::optional<ContactCentre> contact_inside(const Results& results, const SceneBox& box) {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
   double area = 0;
   for (const ContactRow& row : results.contact_rows) {
@@ -104,14 +104,14 @@ std::optional<ContactPlace> contact_inside(const Results& results, const SceneBo
     area += row.weight;
   }
   if (!(area > 0)) return std::nullopt;
-  ContactPlace place{centre / area, 0};
-  normal.maxCoeff(&place.axis);
+  ContactCentre contact{centre / area, 0};
+  normal.maxCoeff(&contact.axis);
   for (int k = 0; k < 3; ++k) {
-    if (k == place.axis) continue;
-    const double fraction = (place.centre[k] - box.low[k]) / box.extent()[k];
+    if (k == contact.axis) continue;
+    const double fraction = (contact.centre[k] - box.low[k]) / box.extent()[k];
     if (fraction < inside_fraction || fraction > 1 - inside_fraction) return std::nullopt;
   }
-  return place;
+  return contact;
 }
 
 /// Sides of the scene that a zone reaches, a plane of symmetry mostly: the contact is seen there. -1 and 1: the lower
@@ -151,11 +151,11 @@ int most_pressed(const Results& results) {
 }
 
 /// Quarter towards the viewer around the contact.
-SceneCut cut_towards(const ContactPlace& place, const Vec3& eye) {
+SceneCut cut_towards(const ContactCentre& contact, const Vec3& eye) {
   SceneCut cut;
-  cut.corner = place.centre;
+  cut.corner = contact.centre;
   for (int i = 0; i < 2; ++i) {
-    const int k = (place.axis + 1 + i) % 3;
+    const int k = (contact.axis + 1 + i) % 3;
     cut.directions[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
   }
   return cut;
@@ -176,8 +176,8 @@ SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody
     const ReachedSides reached = zone ? sides_reached(view.box, *zone) : ReachedSides();
     if (reached.side != std::array<int, 3>{0, 0, 0}) {  // a plane of symmetry opens them already
       look_from(towards(reached, view.camera.eye), view.camera);
-    } else if (const auto place = contact_inside(results, view.box)) {
-      view.cut = cut_towards(*place, view.camera.eye);
+    } else if (const auto contact = contact_inside(results, view.box)) {
+      view.cut = cut_towards(*contact, view.camera.eye);
       view.opened = true;
     }
   }

@@ -65,7 +65,7 @@ class BodyGeometry {
   /// around this one have left about theirs: 1 inner, 0 outer, -1 not known.
   virtual int side_of_block(const Vec3& centre, const Vec3& half_size, std::vector<signed char>& sides) const;
   /// Finds the cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in
-  /// grid coordinates. Boundary pieces are cut at the dividers, `order`: of the rule on them (boundary_points_of_cell).
+  /// grid coordinates. Boundary facets are cut at the dividers, `order`: of the rule on them (boundary_points_of_cell).
   /// Cells that are no leaves of the level may be left out. This body, grid and dividers must outlive the sweep.
   virtual std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
                                                  const LeafLevel& leaves) const = 0;
@@ -75,15 +75,15 @@ class BodyGeometry {
                                const std::vector<Plane>& dividers, int order, int owner,
                                BoundaryPoints& points) const = 0;
   /// Estimates the cells of the body in global axes, m, without making them; from a coarser grid of at most
-  /// `most_cells` cells if it needs one.
-  virtual CellEstimate estimate_cells(const Grid& grid, double most_cells) const = 0;
+  /// `max_cells` cells if it needs one.
+  virtual CellEstimate estimate_cells(const Grid& grid, double max_cells) const = 0;
 
   // Counts the facets of a body made of flat ones.
 
   virtual std::size_t num_facets() const { return 0; }
-  /// Returns the width of the narrower of two facets that meet at an angle (at least_angle, radians, or more) although
+  /// Returns the width of the narrower of two facets that meet at an angle (at min_angle, radians, or more) although
   /// they stand for one smooth surface, at the facet nearest to x; 0: the surface there is what it stands for.
-  virtual double facet_width(const Vec3& x, double least_angle) const;
+  virtual double facet_width(const Vec3& x, double min_angle) const;
 
   // For drawing.
 

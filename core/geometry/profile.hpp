@@ -21,7 +21,7 @@ struct Circle {
   double radius;
 };
 
-/// Part of a circle, from a place on.
+/// Arc of a circle, from a point on.
 struct Arc {
   Circle circle;
   double turn;  ///< angle that it covers, counterclockwise positive

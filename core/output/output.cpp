@@ -255,12 +255,13 @@ bool wants_view(const Scene& scene) { return scene.output.report && scene.output
 
 /// Writes all files but the two reports, pictures first: gnuplot draws while the other files are written. `steps`: with
 /// all steps, or none. `fields_elsewhere`: another rank writes the files of fields.
-PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps,
-                      bool fields_elsewhere) {
-  PageParts parts;
-  parts.directory = temporary.path().string();
-  for (const SectionSpec& section : scene.sections) parts.sections.push_back({section.name, section_picture(section)});
-  GnuplotRuns runs(parts.directory);
+PageContents write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps,
+                         bool fields_elsewhere) {
+  PageContents contents;
+  contents.directory = temporary.path().string();
+  for (const SectionSpec& section : scene.sections)
+    contents.sections.push_back({section.name, section_picture(section)});
+  GnuplotRuns runs(contents.directory);
   if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
   if (scene.output.csv && !results.path.empty()) write_pressure_csv(results, temporary.file("pressure.csv"));
@@ -279,8 +280,8 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
     if (scene.output.plots && knows_contact_of_points(results))
       faces = find_faces(scene, checked_bodies(results), drawn);
     const auto draw = [&] {  // what needs a drawing of its own first: the view, which is large, stays
-      if (faces) parts.faces = draw_conditions(scene, checked_bodies(results), drawn, *faces, runs);
-      parts.pressure_maps = write_pressure_maps(results, surface, runs);
+      if (faces) contents.faces = draw_conditions(scene, checked_bodies(results), drawn, *faces, runs);
+      contents.pressure_maps = write_pressure_maps(results, surface, runs);
       SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
       write_picture(results, drawn, scene_view, runs);
       write_grid_picture(results, drawn, scene_view, runs);
@@ -293,17 +294,17 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
         write_fields(results, scene.output, drawn, surface, temporary.path());
     });
     if (wants_view(scene) && has_view_library())
-      parts.view = view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene,
-                              steps ? steps->boundary_fields() : std::vector<ViewStep>{}});
+      contents.view = view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene,
+                                 steps ? steps->boundary_fields() : std::vector<ViewStep>{}});
   }
-  parts.view.wanted = wants_view(scene);
-  if (steps && view) parts.steps = steps->draw(results.title, *view, runs);
+  contents.view.wanted = wants_view(scene);
+  if (steps && view) contents.steps = steps->draw(results.title, *view, runs);
   if (steps) steps->finish();
-  parts.warnings = runs.finish();
+  contents.warnings = runs.finish();
   std::error_code error;
   if (steps && !scene.output.vtk) fs::remove(temporary.path() / steps_file, error);
-  if (parts.warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
-  return parts;
+  if (contents.warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
+  return contents;
 }
 
 }  // namespace
@@ -328,7 +329,7 @@ void check_output_directory(const std::string& directory) try {
   throw InputError(fmt::format("cannot write results to {}: {}", directory, error.code().message()));
 }
 
-struct ResultWriter::Parts {
+struct ResultWriter::State {
   fs::path target;
   std::string directory;
   std::size_t num_steps;
@@ -338,7 +339,7 @@ struct ResultWriter::Parts {
 };
 
 ResultWriter::ResultWriter(const Scene& scene, const std::string& directory)
-    : parts_(new Parts{absolute_directory(directory),
+    : state_(new State{absolute_directory(directory),
                        directory,
                        scene.steps.size(),
                        scene.output.fields() || scene.output.plots,
@@ -348,13 +349,13 @@ ResultWriter::~ResultWriter() = default;
 
 void ResultWriter::add_step(std::size_t number, const Results& step) {
   on_first_rank([&] {
-    if (number == 0) parts_->steps.reset();  // all may come again: with friction, where a pair has to see farther
-    if (!parts_->steps) {
+    if (number == 0) state_->steps.reset();  // all may come again: with friction, where a pair has to see farther
+    if (!state_->steps) {
       std::optional<std::string> file;
-      if (parts_->with_fields) file = parts_->temporary.emplace(parts_->target).file(steps_file);
-      parts_->steps.emplace(parts_->num_steps, file);
+      if (state_->with_fields) file = state_->temporary.emplace(state_->target).file(steps_file);
+      state_->steps.emplace(state_->num_steps, file);
     }
-    parts_->steps->add(number, step);
+    state_->steps->add(number, step);
   });
 }
 
@@ -378,29 +379,29 @@ void set_memory(Results& results) {
 std::vector<std::string> ResultWriter::write(Results& results, const Scene& scene) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::string> old;
-  PageParts parts;
+  PageContents contents;
   const auto explain = [&](const fs::filesystem_error& error) {
-    return fmt::format("cannot write results to {}: {}", parts_->target.string(), error.code().message());
+    return fmt::format("cannot write results to {}: {}", state_->target.string(), error.code().message());
   };
   on_first_rank([&] {
     try {
-      remove_remains(parts_->target);
-      old = old_files(parts_->target);
-      if (!parts_->temporary) parts_->temporary.emplace(parts_->target);
+      remove_remains(state_->target);
+      old = old_files(state_->target);
+      if (!state_->temporary) state_->temporary.emplace(state_->target);
     } catch (const fs::filesystem_error& error) {
       throw InputError(explain(error));
     }
   });
   const std::string directory =
-      text_of_first_rank(parts_->temporary ? parts_->temporary->path().string() : std::string());
+      text_of_first_rank(state_->temporary ? state_->temporary->path().string() : std::string());
   const bool apart = scene.output.fields() && rank_of_fields() > 0;
   if (extremes_by_ranks_alone(scene)) results.extremes = extremes_by_ranks(results, scene);
   on_all_ranks([&] {
     try {
       if (is_first_rank()) {
-        StepFields* const steps = parts_->steps ? &*parts_->steps : nullptr;
-        if (steps) steps->add(parts_->num_steps - 1, results);
-        parts = write_files(results, scene, *parts_->temporary, steps, apart);
+        StepFields* const steps = state_->steps ? &*state_->steps : nullptr;
+        if (steps) steps->add(state_->num_steps - 1, results);
+        contents = write_files(results, scene, *state_->temporary, steps, apart);
       } else if (apart && this_rank() == num_ranks() - 1) {
         const std::vector<DrawnBody> drawn = draw_bodies(results);
         write_fields(results, scene.output, drawn, make_contact_surface(results, drawn), directory);
@@ -412,19 +413,19 @@ std::vector<std::string> ResultWriter::write(Results& results, const Scene& scen
   set_memory(results);
   on_first_rank([&] {
     try {
-      finish(results, scene, old, parts, start);
+      finish(results, scene, old, contents, start);
     } catch (const fs::filesystem_error& failed) {
       throw InputError(explain(failed));
     }
   });
-  return parts.warnings;
+  return contents.warnings;
 }
 
 /// Writes the reports, which know all files; then the new directory replaces the old one.
-void ResultWriter::finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageParts& parts,
-                          std::chrono::steady_clock::time_point start) {
-  const TemporaryDirectory& temporary = *parts_->temporary;
-  std::vector<std::string>& files = parts.files;
+void ResultWriter::finish(Results& results, const Scene& scene, const std::vector<std::string>& old,
+                          PageContents& contents, std::chrono::steady_clock::time_point start) {
+  const TemporaryDirectory& temporary = *state_->temporary;
+  std::vector<std::string>& files = contents.files;
   files.emplace_back("report.json");
   if (scene.output.report) files.emplace_back("report.html");
   for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
@@ -433,13 +434,13 @@ void ResultWriter::finish(Results& results, const Scene& scene, const std::vecto
   results.times_s.emplace_back("output",
                                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (scene.output.report) {
-    parts.beside = pictures_for_view(parts);
-    write_text(temporary.file("report.html"), page(results, parts));
+    contents.beside = pictures_for_view(contents);
+    write_text(temporary.file("report.html"), page(results, contents));
   }
-  write_report(results, files, parts.warnings, temporary.file("report.json"));
+  write_report(results, files, contents.warnings, temporary.file("report.json"));
   uninterrupted([&] {
-    replace(temporary.path(), parts_->target, old);
-    set_interruption_note("the results in " + parts_->directory + " are complete");
+    replace(temporary.path(), state_->target, old);
+    set_interruption_note("the results in " + state_->directory + " are complete");
   });
 }
 

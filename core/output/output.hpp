@@ -12,7 +12,7 @@
 
 namespace cgcontact {
 
-struct PageParts;
+struct PageContents;
 
 /// Writes report.json and what the scene asks for (result.vtkhdf, contact.vtkhdf, contact.csv, pictures) to a temporary
 /// directory beside `directory` and exchanges the two. Files of the old directory that are not this program's are kept.
@@ -34,11 +34,11 @@ class ResultWriter {
   std::vector<std::string> write(Results& results, const Scene& scene);
 
  private:
-  void finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageParts& parts,
+  void finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageContents& contents,
               std::chrono::steady_clock::time_point start);
 
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// Throws the InputError that write_results would throw for a directory that it may not replace or create; for use

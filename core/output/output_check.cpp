@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr int legend_width = 620;
 /// Bodies that get rows of their own.
-constexpr std::size_t most_bodies = 12;
+constexpr std::size_t max_bodies = 12;
 /// Pixels: a face gets its number where it is at least this far from its border.
 constexpr int room_for_number = 7;
 constexpr int arrow_length = 56, arrow_gap = 14;
@@ -40,7 +40,7 @@ constexpr Rgb full_cell{0.66, 0.80, 0.91}, cut_cell{0.95, 0.66, 0.33}, cut_outsi
 constexpr int stripe = 9;
 /// Radius of the arc that stands for a moment, pixels; its segments.
 constexpr double arc_radius = 24;
-constexpr int arc_parts = 18;
+constexpr int arc_segments = 18;
 
 /// Role of a region, which decides its hue: supports, loads and contact are distinguished at a glance.
 enum class Role { free, support, load, contact };
@@ -93,10 +93,10 @@ struct Drawing {
   std::string folder;  ///< of gnuplot's data
 };
 
-/// Draws bodies coloured by `colour(body, triangle)`, with outlines between different `part(body, triangle)`.
-template <class Colour, class Part>
+/// Draws bodies coloured by `colour(body, triangle)`, with outlines between different `region_of(body, triangle)`.
+template <class Colour, class RegionOf>
 RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodies, const Panel& view,
-                   const Colour& colour, const Part& part) {
+                   const Colour& colour, const RegionOf& region_of) {
   std::vector<std::pair<std::size_t, std::size_t>> triangles;
   for (std::size_t b : bodies)
     for (std::size_t i = 0; i < drawing.drawn[b].mesh.boundary.size(); ++i) triangles.emplace_back(b, i);
@@ -104,7 +104,7 @@ RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodie
     const auto [b, i] = triangles[k];
     const DrawnBody& body = drawing.drawn[b];
     RasterTriangle drawn;
-    drawn.part = part(b, i);
+    drawn.region = region_of(b, i);
     const double value = packed(colour(b, i));
     for (int v = 0; v < 3; ++v) {
       const int p = body.mesh.boundary[i].points[v];
@@ -122,11 +122,11 @@ struct Spot {
 
 std::map<int, Spot> roomiest_pixels(const RenderedImage& image) {
   const int w = image.width, h = image.height;
-  std::vector<int> room(image.parts.size());
+  std::vector<int> room(image.regions.size());
   const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * w + x; };
   const auto neighbour = [&](int x, int y, int dx, int dy) {
     const int nx = x + dx, ny = y + dy;
-    if (nx < 0 || ny < 0 || nx >= w || ny >= h || image.parts[at(nx, ny)] != image.parts[at(x, y)]) return 0;
+    if (nx < 0 || ny < 0 || nx >= w || ny >= h || image.regions[at(nx, ny)] != image.regions[at(x, y)]) return 0;
     return room[at(nx, ny)];
   };
   for (int y = 0; y < h; ++y)
@@ -135,9 +135,9 @@ std::map<int, Spot> roomiest_pixels(const RenderedImage& image) {
   for (int y = h - 1; y >= 0; --y)
     for (int x = w - 1; x >= 0; --x) {
       room[at(x, y)] = std::min(room[at(x, y)], 1 + std::min(neighbour(x, y, 1, 0), neighbour(x, y, 0, 1)));
-      const int part = image.parts[at(x, y)];
-      if (part < 0) continue;
-      Spot& spot = spots[part];
+      const int region = image.regions[at(x, y)];
+      if (region < 0) continue;
+      Spot& spot = spots[region];
       if (room[at(x, y)] > spot.room) spot = {x, y, room[at(x, y)]};
     }
   return spots;
@@ -158,7 +158,7 @@ void add_moment(const Panel& view, const Spot& spot, const Vec3& moment, Sheet& 
   const Vec3 axis = moment.normalized();
   const Vec3 first = axis.cross(std::abs(axis[2]) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX()).normalized();
   const Vec3 second = axis.cross(first);
-  const auto place = [&](const Vec3& x) {
+  const auto on_sheet = [&](const Vec3& x) {
     return std::array<double, 2>{view.left + spot.x + view.camera.right.dot(x),
                                  view.bottom + spot.y + view.camera.up.dot(x)};
   };
@@ -166,13 +166,13 @@ void add_moment(const Panel& view, const Spot& spot, const Vec3& moment, Sheet& 
     sheet.settings +=
         fmt::format("set arrow from {},{} to {},{} front {} lc rgb '#a00010'\n", from[0], from[1], to[0], to[1], style);
   };
-  line(place(-1.2 * arc_radius * axis), place(1.2 * arc_radius * axis), "nohead lw 1 dt (6,4)");
+  line(on_sheet(-1.2 * arc_radius * axis), on_sheet(1.2 * arc_radius * axis), "nohead lw 1 dt (6,4)");
   constexpr double whole = 1.7 * pi;  // an open arc
-  std::array<double, 2> before = place(arc_radius * first);
-  for (int k = 1; k <= arc_parts; ++k) {
-    const double angle = whole * k / arc_parts;
-    const std::array<double, 2> next = place(arc_radius * (std::cos(angle) * first + std::sin(angle) * second));
-    line(before, next, k < arc_parts ? "nohead lw 2.5" : "filled size 11,22 lw 2.5");
+  std::array<double, 2> before = on_sheet(arc_radius * first);
+  for (int k = 1; k <= arc_segments; ++k) {
+    const double angle = whole * k / arc_segments;
+    const std::array<double, 2> next = on_sheet(arc_radius * (std::cos(angle) * first + std::sin(angle) * second));
+    line(before, next, k < arc_segments ? "nohead lw 2.5" : "filled size 11,22 lw 2.5");
     before = next;
   }
 }
@@ -182,7 +182,7 @@ void add_stripes(const Drawing& drawing, RenderedImage& image) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
-      const int r = image.parts[pixel];
+      const int r = image.regions[pixel];
       if (r < 0 || r >= static_cast<int>(drawing.regions.size())) continue;
       const std::vector<Role> roles = roles_of(drawing.regions[r]);
       const std::size_t k = static_cast<std::size_t>((x + y) / stripe) % roles.size();
@@ -270,10 +270,10 @@ void add_boundary_points(const DrawnBody& body, std::vector<Vec3>& points) {
       if (!std::exchange(is_added[p], char{1})) points.push_back(body.position[p]);
 }
 
-/// Adds both views of some bodies; outlines separate different `part`.
-template <class Colour, class Part>
+/// Adds both views of some bodies; outlines separate different values of `region_of`.
+template <class Colour, class RegionOf>
 void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, double bottom, const std::string& name,
-               const Colour& colour, const Part& part, bool numbered, Sheet& sheet) {
+               const Colour& colour, const RegionOf& region_of, bool numbered, Sheet& sheet) {
   std::vector<Vec3> positions;
   for (std::size_t b : bodies) add_boundary_points(drawing.drawn[b], positions);
   for (const bool behind : {false, true}) {
@@ -282,7 +282,7 @@ void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, d
     view.bottom = bottom;
     look_from(behind, view.camera);
     view.fit(positions);
-    RenderedImage image = draw(drawing, bodies, view, colour, part);
+    RenderedImage image = draw(drawing, bodies, view, colour, region_of);
     if (numbered) add_stripes(drawing, image);
     sheet.add_panel(view, image, name + (behind ? "_behind" : "_front"),
                     behind ? "from below, behind" : "from above, in front", drawing.folder);
@@ -331,9 +331,11 @@ void add_faces(const Drawing& drawing, std::size_t b, double bottom, Sheet& shee
     return r < 0 ? unknown_face : drawing.region_colours[r];
   };
   const int none = static_cast<int>(drawing.regions.size());
-  const auto part = [&](std::size_t body, std::size_t i) { return region(body, i) < 0 ? none : region(body, i); };
+  const auto region_or_none = [&](std::size_t body, std::size_t i) {
+    return region(body, i) < 0 ? none : region(body, i);
+  };
   sheet.heading(drawing.scene.bodies[b].name, bottom);
-  add_views(drawing, {b}, bottom, fmt::format("body{}", b), colour, part, true, sheet);
+  add_views(drawing, {b}, bottom, fmt::format("body{}", b), colour, region_or_none, true, sheet);
 }
 
 void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet) {
@@ -356,7 +358,7 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
 }
 
 std::string script(const Drawing& drawing) {
-  const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
+  const std::size_t shown = std::min(drawing.drawn.size(), max_bodies);
   const int row = panel + heading + gap;
   const int width = 4 * gap + 3 * panel + legend_width, height = row * static_cast<int>(shown + 1) + gap;
   std::string text = page_settings("check.png", width, height);
@@ -371,7 +373,7 @@ std::string script(const Drawing& drawing) {
 
 /// Two views of each body, without legends.
 std::string conditions_script(const Drawing& drawing) {
-  const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
+  const std::size_t shown = std::min(drawing.drawn.size(), max_bodies);
   const int row = panel + heading + gap, key = 2 * line_height;
   const int width = 3 * gap + 2 * panel, height = row * static_cast<int>(shown) + gap + key;
   std::string text = page_settings("conditions.png", width, height);
@@ -499,7 +501,7 @@ Vec3 prescribed(const FaceRegion& region) {
 
 std::string conditions(const Scene& scene, const FaceRegion& region) {
   std::string text;
-  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  const auto add = [&](const std::string& condition) { text += (text.empty() ? "" : "; ") + condition; };
   for (int c : region.contacts) add("contact " + scene.contacts[c].name);
   if (region.symmetry) add("symmetry");
   if (region.elastic) add("springs");

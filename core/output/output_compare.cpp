@@ -183,12 +183,12 @@ std::map<std::string, Curve> read_curves(const std::string& directory) {
     std::istringstream fields(line);
     std::vector<std::string> cells;
     for (std::string cell; std::getline(fields, cell, ',');) cells.push_back(cell);
-    constexpr std::size_t place = 2, pressure = 8;  // of write_pressure_csv
+    constexpr std::size_t coordinate = 2, pressure = 8;  // of write_pressure_csv
     if (cells.size() <= pressure)
       throw InputError(fmt::format("{}: a line has fewer columns than the first", file.string()));
     if (first_body.try_emplace(cells[0], cells[1]).first->second != cells[1]) continue;
     curves[cells[0]].push_back(
-        {std::strtod(cells[place].c_str(), nullptr), std::strtod(cells[pressure].c_str(), nullptr)});
+        {std::strtod(cells[coordinate].c_str(), nullptr), std::strtod(cells[pressure].c_str(), nullptr)});
   }
   for (auto& [pair, curve] : curves) std::sort(curve.begin(), curve.end());
   return curves;

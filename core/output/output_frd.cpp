@@ -109,15 +109,15 @@ void add_mesh(const std::vector<DrawnBody>& bodies, const std::vector<std::size_
       add_node(file, first_point[b] + p + 1, position_of(bodies[b], p));
   file.add(" -3\n");
   std::size_t num_elements = 0, element = 0;
-  for (const DrawnBody& body : bodies) num_elements += body.mesh.num_pieces();
+  for (const DrawnBody& body : bodies) num_elements += body.mesh.num_polyhedra();
   file.add("    3C{:30d}{:38d}\n", num_elements, 1);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    for (std::size_t i = 0; i < bodies[b].mesh.num_pieces(); ++i) {
-      const ClippedMesh::Piece piece = bodies[b].mesh.piece(i);
-      file.add(" -1{:10d}{:5d}{:5d}{:5d}\n -2", ++element, piece.num_points == 8 ? hexahedron : tetrahedron, b + 1,
+    for (std::size_t i = 0; i < bodies[b].mesh.num_polyhedra(); ++i) {
+      const ClippedMesh::Polyhedron polyhedron = bodies[b].mesh.polyhedron(i);
+      file.add(" -1{:10d}{:5d}{:5d}{:5d}\n -2", ++element, polyhedron.num_points == 8 ? hexahedron : tetrahedron, b + 1,
                b + 1);
-      for (int v = 0; v < piece.num_points; ++v)
-        file.add("{:10d}", first_point[b] + static_cast<std::size_t>(piece.points[v]) + 1);
+      for (int v = 0; v < polyhedron.num_points; ++v)
+        file.add("{:10d}", first_point[b] + static_cast<std::size_t>(polyhedron.points[v]) + 1);
       file.add("\n");
     }
   file.add(" -3\n");

@@ -38,7 +38,7 @@ constexpr char32_t drawable[][2] = {{0x20, 0x7e},     {0xa0, 0x2e9},    {0x300, 
                                     {0x3a3, 0x525},   {0x1e00, 0x1efb}, {0x2010, 0x2027}, {0x2030, 0x205e},
                                     {0x2074, 0x208e}, {0x20a0, 0x20b5}, {0x2100, 0x2109}, {0x2150, 0x2185},
                                     {0x2190, 0x2311}, {0x2500, 0x269c}};
-constexpr std::size_t most_at_once = 32;        // runs of gnuplot
+constexpr std::size_t max_at_once = 32;        // runs of gnuplot
 constexpr char32_t instead_of_others = 0x25a1;  // a square
 
 bool is_drawable(char32_t letter) {
@@ -143,8 +143,8 @@ void GnuplotRuns::warn(const std::string& warning) {
 void GnuplotRuns::start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures) {
   const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
-  if (runs_.size() >= most_at_once)
-    if (Run& earlier = runs_[runs_.size() - most_at_once]; earlier.child > 0)
+  if (runs_.size() >= max_at_once)
+    if (Run& earlier = runs_[runs_.size() - max_at_once]; earlier.child > 0)
       earlier.ended_well = wait_for(earlier.child);
   int error = 0;
   uninterrupted([&] {
@@ -215,7 +215,7 @@ double gnuplot_width(const std::string& text, double pixels) {
 }
 
 GnuplotTitle gnuplot_title(const std::string& text, int width, double pixels) {
-  constexpr std::size_t most_lines = 4;
+  constexpr std::size_t max_lines = 4;
   const double letter = gnuplot_width(text, pixels) / std::max(1, columns_of(text));
   const int columns = std::max(10, static_cast<int>(width / std::max(letter, 0.1 * pixels)));
   std::vector<std::string> lines;
@@ -233,8 +233,8 @@ GnuplotTitle gnuplot_title(const std::string& text, int width, double pixels) {
     }
     lines.push_back(line);
   }
-  if (lines.size() > most_lines) {
-    lines.resize(most_lines);
+  if (lines.size() > max_lines) {
+    lines.resize(max_lines);
     lines.back() += " ...";
   }
   GnuplotTitle title{"", static_cast<int>(lines.size())};

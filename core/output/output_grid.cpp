@@ -19,7 +19,7 @@ namespace {
 /// Pixels: side of a panel, room for the colour bar at the right, for the title, for the line above a panel.
 constexpr int side = 520, bar_room = 130, title_room = 44, line_room = 30;
 /// Bodies in the legend.
-constexpr std::size_t most_bodies = 8;
+constexpr std::size_t max_bodies = 8;
 /// Side of the view of the zone over the zone's.
 constexpr double zone_view = 2.2;
 /// A zone whose view takes so much of the scene's gets none of its own.
@@ -62,10 +62,10 @@ using CellColour = std::function<Rgb(std::size_t body, int cell)>;
 RenderedImage draw(const std::vector<DrawnBody>& bodies, const Panel& view, const CellColour& colour) {
   const auto is_seen = [&](const DrawnBody& body, const BoundaryTriangle& t) {
     for (int k = 0; k < 2; ++k) {
-      const auto place = [&](int v) {
+      const auto coordinate = [&](int v) {
         return (k == 0 ? view.camera.right : view.camera.up).dot(body.position[t.points[v]]) - view.camera.low[k];
       };
-      const auto [low, high] = std::minmax({place(0), place(1), place(2)});
+      const auto [low, high] = std::minmax({coordinate(0), coordinate(1), coordinate(2)});
       if (high < 0 || low > view.size[k] / view.camera.pixels_per_metre) return false;
     }
     return true;
@@ -79,7 +79,7 @@ RenderedImage draw(const std::vector<DrawnBody>& bodies, const Panel& view, cons
     const DrawnBody& body = bodies[b];
     const BoundaryTriangle& t = body.mesh.boundary[i];
     RasterTriangle drawn;
-    drawn.part = static_cast<int>(b);
+    drawn.region = static_cast<int>(b);
     const double value = packed(colour(b, t.cell));
     for (int v = 0; v < 3; ++v)
       drawn.vertices[v] = {body.position[t.points[v]], std::ldexp(1.0, t.level) * body.mesh.points[t.points[v]], value};
@@ -198,7 +198,7 @@ void add_grounds(const Panel& view, Sheet& sheet) {
 
 void add_legend(const Results& results, double top, Sheet& sheet) {
   Legend legend(gap, top, 0, sheet);
-  const std::size_t shown = std::min(results.bodies.size(), most_bodies);
+  const std::size_t shown = std::min(results.bodies.size(), max_bodies);
   for (std::size_t b = 0; b < shown; ++b) {
     const CutCells& cells = *results.bodies[b].cut_cells;
     legend.entry(colour_of_body(b), fmt::format("{}: {} cells of {}", drawable_text(results.bodies[b].name),
@@ -211,7 +211,7 @@ void add_legend(const Results& results, double top, Sheet& sheet) {
 std::string script(const Results& results, std::vector<Look>& looks, const std::optional<StressErrors>& errors,
                    const std::string& folder) {
   const bool one_row = looks.size() == 1 || !errors;
-  const int legend_room = line_height * static_cast<int>(std::min(results.bodies.size(), most_bodies + 1) + 1);
+  const int legend_room = line_height * static_cast<int>(std::min(results.bodies.size(), max_bodies + 1) + 1);
   const int row = side + line_room, width = 3 * gap + 2 * side + bar_room;
   const int height = title_room + (one_row ? 1 : 2) * row + legend_room + gap;
   std::string text = page_settings("grid.png", width, height);

@@ -124,7 +124,7 @@ std::string components(const Vec3& f, double scale) {
 }
 
 /// "(12.5, 0, -3) mm"; the value in SI of each component as data. Components that are rounding beside the others are 0.
-std::string place(const Vec3& x) {
+std::string html_position(const Vec3& x) {
   const double size = x.cwiseAbs().maxCoeff();
   const DisplayUnit unit = length_unit(size);
   std::string text = "(";
@@ -160,10 +160,10 @@ std::string bar(double fraction, const std::string& style = "bar") {
 }
 
 /// Picture itself as data; empty if the file is missing.
-std::string picture(const PageParts& parts, const std::string& file, const std::string& description,
+std::string picture(const PageContents& contents, const std::string& file, const std::string& description,
                     const std::string& caption) {
-  if (parts.beside.count(file)) return note("The view above shows this; " + file + " lies beside the page.");
-  const std::filesystem::path path = std::filesystem::path(parts.directory) / file;
+  if (contents.beside.count(file)) return note("The view above shows this; " + file + " lies beside the page.");
+  const std::filesystem::path path = std::filesystem::path(contents.directory) / file;
   if (file.empty() || !std::filesystem::exists(path)) return "";
   const char* const type = path.extension() == ".svg" ? "svg+xml" : "png";
   return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"/>", html_text(description), type,
@@ -258,9 +258,9 @@ std::string tiles(const Results& results) {
     const int u = body_with_largest(results.extremes, &Extremes::displacement);
     const Extreme &stressed = results.extremes[s].body.von_mises, &moved = results.extremes[u].body.displacement;
     text += tile("Largest von Mises stress", stress(stressed.value),
-                 "recovered, in " + html_text(results.bodies[s].name) + " at " + place(stressed.at));
+                 "recovered, in " + html_text(results.bodies[s].name) + " at " + html_position(stressed.at));
     text += tile("Largest displacement", figure(moved.value, length_unit(moved.value)),
-                 "in " + html_text(results.bodies[u].name) + " at " + place(moved.at));
+                 "in " + html_text(results.bodies[u].name) + " at " + html_position(moved.at));
   }
   text += tile("Error of the stress", percent(results.estimated_error_relative), "estimate, mean over the bodies");
   return text + "</div>\n";
@@ -312,7 +312,7 @@ std::string reliability(const Results& results) {
 }
 
 /// The solves of a run to an accuracy.
-std::string accuracy_section(const Results& results, const PageParts& parts) {
+std::string accuracy_section(const Results& results, const PageContents& contents) {
   const AccuracyFigures& accuracy = results.accuracy;
   if (!accuracy.asked) return "";
   std::vector<std::string> rows;
@@ -353,7 +353,7 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
                    ". Each solve has smaller cells where the estimates of the one before asked for them; the figures, "
                    "pictures and files are those of the last one.") +
          table(heads, rows) +
-         picture(parts, "accuracy.svg", "Estimated errors and time over the unknowns of the solves",
+         picture(contents, "accuracy.svg", "Estimated errors and time over the unknowns of the solves",
                  "The errors are estimates; a target is the dashed line in the colour of its error. The change of the "
                  "pressure since the solve before tells how far to trust them.");
 }
@@ -377,10 +377,10 @@ std::string hertz_of(const ZoneFigures& zone) {
 std::string whole_zones(const Results& results) {
   std::vector<std::string> rows;
   for (const PairFigures& pair : results.pairs)
-    if (const int parts = pair.zone.parts; parts > 1)
-      rows.push_back(name_cell(html_text(pair.name)) + cell("1/" + std::to_string(parts)) +
-                     cell(force(parts * pair.zone.normal_force)) +
-                     cell(figure(parts * pair.area, area_unit(parts * pair.area))));
+    if (const int sectors = pair.zone.sectors; sectors > 1)
+      rows.push_back(name_cell(html_text(pair.name)) + cell("1/" + std::to_string(sectors)) +
+                     cell(force(sectors * pair.zone.normal_force)) +
+                     cell(figure(sectors * pair.area, area_unit(sectors * pair.area))));
   return rows.empty() ? ""
                       : "<h3>With what lies behind planes of symmetry</h3>\n" +
                             table({"Pair", "Modelled", "Normal force in all", "Area in all"}, rows);
@@ -395,14 +395,15 @@ std::string friction_of_pairs(const Results& results) {
   for (const PairFigures& pair : results.pairs) {
     if (!pair.friction) continue;
     const FrictionFigures& friction = *pair.friction;
-    const bool part = pair.zone.parts > 1;
+    const bool is_sector = pair.zone.sectors > 1;
     std::string row = name_cell(html_text(pair.name)) + cell(fmt::format("{:g}", friction.coefficient)) +
-                      cell(force(friction.capacity)) + error(friction.error) + cell(part ? force(friction.whole) : "-");
+                      cell(force(friction.capacity)) + error(friction.error) +
+                      cell(is_sector ? force(friction.whole) : "-");
     if (const auto& torque = friction.torque)
       row += cell(newton_metres(torque->capacity)) + error(torque->error) +
-             cell(part ? newton_metres(torque->whole) : "-") + "<td class=\"text\">" +
+             cell(is_sector ? newton_metres(torque->whole) : "-") + "<td class=\"text\">" +
              fmt::format("{}: ({}) through ", name_of(torque->from), components_text(torque->axis.direction)) +
-             place(torque->axis.point) + "</td>";
+             html_position(torque->axis.point) + "</td>";
     else
       row += cell("none") + cell("-") + cell("-") + "<td class=\"text\">" + html_text(friction.why_no_torque) + "</td>";
     rows.push_back(row + cell(friction.use ? figure(*friction.use, use_text(*friction.use)) : "-") +
@@ -432,7 +433,7 @@ std::string zones_of_pairs(const Results& results) {
                     cell(stress(zone.mean_pressure)) + zone_of(zone) + hertz_of(zone));
     if (!zone.moment) continue;
     std::string row =
-        name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) + cell(place(zone.moment->point));
+        name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) + cell(html_position(zone.moment->point));
     for (const double component : zone.moment->on_first) row += cell(in_newton_metres(component));
     moments.push_back(row + cell(zone.moment->axis ? in_newton_metres(*zone.moment->about_axis_first) : "-"));
   }
@@ -459,8 +460,8 @@ std::string pairs_section(const Results& results) {
   std::vector<std::string> forces;
   for (const PairFigures& pair : results.pairs)
     forces.push_back(name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) +
-                     components(pair.force_on_first, pair.force_on_first.norm()) + cell(place(pair.centre)) +
-                     cell(place(pair.max_pressure_at)));
+                     components(pair.force_on_first, pair.force_on_first.norm()) + cell(html_position(pair.centre)) +
+                     cell(html_position(pair.max_pressure_at)));
   return table(
              {"Pair", "Force", "est. error", "Max. pressure", "est. error", "est. error (L2)", "Area", "Closed points"},
              rows) +
@@ -477,13 +478,13 @@ std::string moments_of_loads(const Results& results) {
     std::string cells;
     for (const double c : load.moment)
       cells += cell(figure(c, std::abs(c) <= no_force * size ? "0" : scaled(c, "N m", 5)));
-    rows.push_back(name_cell(html_text(load.face)) + cell(place(load.about)) + cells);
+    rows.push_back(name_cell(html_text(load.face)) + cell(html_position(load.about)) + cells);
   }
   return rows.empty() ? "" : "<h3>Moments of loads</h3>\n" + table({"Face or body", "About", "x", "y", "z"}, rows);
 }
 
 /// Supports, loads and interferences with their resultants; every face of the picture by its number.
-std::string conditions_section(const Results& results, const PageParts& parts) {
+std::string conditions_section(const Results& results, const PageContents& contents) {
   const double scale = force_scale(results);
   std::vector<std::string> rows;
   const auto text_cell = [](const std::string& text) { return "<td class=\"text\">" + html_text(text) + "</td>"; };
@@ -508,11 +509,11 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
   if (!fits.empty())
     text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
   const std::string shown =
-      picture(parts, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
+      picture(contents, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
               "Each body from above in front and from below behind.");
   if (shown.empty()) return text;
   std::vector<std::string> faces;
-  for (const ConditionFace& face : parts.faces)
+  for (const ConditionFace& face : contents.faces)
     faces.push_back(cell(std::to_string(face.number)) + "<th scope=\"row\">" + html_text(face.name) + "</th>" +
                     text_cell(face.condition) + cell(figure(face.area, area_unit(face.area))));
   return text + shown + table({"No.", "Face in the picture", "What holds there", "Area"}, faces);
@@ -521,13 +522,13 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
 constexpr double seconds_per_picture = 0.8;
 
 /// Pictures of the steps in turn, without a script: they lie on the last one and are seen in turn.
-std::string film(const PageParts& parts) {
-  if (!parts.steps.empty() && parts.beside.count(parts.steps.front()))
-    return note("The view above shows the steps as a film; their pictures, " + parts.steps.front() + " to " +
-                parts.steps.back() + ", lie beside this page.");
+std::string film(const PageContents& contents) {
+  if (!contents.steps.empty() && contents.beside.count(contents.steps.front()))
+    return note("The view above shows the steps as a film; their pictures, " + contents.steps.front() + " to " +
+                contents.steps.back() + ", lie beside this page.");
   std::string images;
-  for (std::size_t k = 0; k < parts.steps.size(); ++k) {
-    const std::filesystem::path path = std::filesystem::path(parts.directory) / parts.steps[k];
+  for (std::size_t k = 0; k < contents.steps.size(); ++k) {
+    const std::filesystem::path path = std::filesystem::path(contents.directory) / contents.steps[k];
     if (!std::filesystem::exists(path)) return "";
     images += fmt::format(
         "<img alt=\"Deformed bodies, {}\" style=\"animation-delay:{:.1f}s\" src=\"data:image/png;base64,{}\"/>",
@@ -551,7 +552,7 @@ std::string film_style(std::size_t pictures) {
       static_cast<double>(pictures) * seconds_per_picture, 100.0 / static_cast<double>(pictures));
 }
 
-std::string steps_section(const Results& results, const PageParts& parts) {
+std::string steps_section(const Results& results, const PageContents& contents) {
   std::vector<std::string> rows;
   for (std::size_t k = 0; k < results.steps.size(); ++k) {
     const StepFigures& s = results.steps[k];
@@ -567,17 +568,18 @@ std::string steps_section(const Results& results, const PageParts& parts) {
   return table({"Step", "loads times", "displacements times", "interference times", "Pair", "Force", "Max. pressure",
                 "Area"},
                rows) +
-         picture(parts, "steps.svg", "Force, area and largest pressure over the steps", "") +
-         picture(parts, "force_displacement.svg", "Contact force over the largest displacement", "") + film(parts);
+         picture(contents, "steps.svg", "Force, area and largest pressure over the steps", "") +
+         picture(contents, "force_displacement.svg", "Contact force over the largest displacement", "") +
+         film(contents);
 }
 
-std::string probes_section(const Results& results, const PageParts& parts) {
+std::string probes_section(const Results& results, const PageContents& contents) {
   std::vector<std::string> rows;
   std::string pictures;
   for (const ProbeFigures& probe : results.probes) {
     const auto value = [&](std::size_t f, const Extreme& extreme) {
       const bool is_metres = is_length(probe.fields[f]);
-      return cell((is_metres ? length(extreme.value) : stress(extreme.value)) + "<br/>" + place(extreme.at));
+      return cell((is_metres ? length(extreme.value) : stress(extreme.value)) + "<br/>" + html_position(extreme.at));
     };
     for (std::size_t f = 0; f < probe.fields.size(); ++f) {
       const auto range = range_of(probe, f);
@@ -586,42 +588,42 @@ std::string probes_section(const Results& results, const PageParts& parts) {
                      cell(count(static_cast<long long>(probe.points))) +
                      cell(count(static_cast<long long>(probe.outside))));
     }
-    pictures += picture(parts, probe_picture(probe), "Values along the probe " + probe.name, "");
+    pictures += picture(contents, probe_picture(probe), "Values along the probe " + probe.name, "");
   }
   if (rows.empty()) return "";
   return table({"Probe", "Field", "Smallest", "Largest", "Points", "of them outside"}, rows) + pictures +
          note("Every value is in probes.csv. Points outside of the bodies have none.");
 }
 
-std::string sections_section(const PageParts& parts) {
+std::string sections_section(const PageContents& contents) {
   std::string text;
-  for (const auto& [name, file] : parts.sections)
-    text += picture(parts, file, "Section " + name, "Section " + html_text(name) + ", undeformed.");
+  for (const auto& [name, file] : contents.sections)
+    text += picture(contents, file, "Section " + name, "Section " + html_text(name) + ", undeformed.");
   return text;
 }
 
-std::string maps_section(const Results& results, const PageParts& parts) {
+std::string maps_section(const Results& results, const PageContents& contents) {
   std::string text;
-  for (const PressureMap& map : parts.pressure_maps)
-    text += picture(parts, map.file,
+  for (const PressureMap& map : contents.pressure_maps)
+    text += picture(contents, map.file,
                     "Contact pressure of " + results.pairs[map.pair].name + ": at most " +
                         scaled(results.pairs[map.pair].max_pressure, "Pa"),
                     html_text(map.caption));
-  if (!text.empty() && parts.pressure_maps.size() < results.pairs.size())
+  if (!text.empty() && contents.pressure_maps.size() < results.pairs.size())
     text += note(fmt::format("Shown are the {} pairs with the largest forces of {}; all are in contact.vtkhdf.",
-                             parts.pressure_maps.size(), results.pairs.size()));
+                             contents.pressure_maps.size(), results.pairs.size()));
   return text;
 }
 
-std::string profile_section(const Results& results, const PageParts& parts) {
+std::string profile_section(const Results& results, const PageContents& contents) {
   std::string text;
   const std::string from = results.path_from_largest ? "The line follows the face through the largest pressure. " : "";
   for (std::size_t pair = 0; pair < results.pairs.size(); ++pair)
-    text += picture(parts, path_picture(pair), "Contact pressure along the path",
+    text += picture(contents, path_picture(pair), "Contact pressure along the path",
                     fmt::format("{}The pressure \"{}\" is the result; the raw finite element stress and the plain "
                                 "recovery (SPR) show what it gains.",
                                 from, name_of_pressure(results.pairs[pair].pressure_on_face)));
-  text += picture(parts, "stress_error.svg", "Error of the stress on the contact face",
+  text += picture(contents, "stress_error.svg", "Error of the stress on the contact face",
                   "Error of the whole stress tensor against the scene's reference.");
   return text;
 }
@@ -637,7 +639,7 @@ std::string rigid_section(const Results& results) {
         largest = std::max(largest, m.norm());
     }
   const DisplayUnit unit = length_unit(length);
-  const auto part_of = [](double component, double whole) {
+  const auto without_rounding = [](double component, double whole) {
     return std::abs(component) < 1e-6 * whole ? 0 : component;
   };
   for (const BodyFields& body : results.bodies) {
@@ -648,12 +650,12 @@ std::string rigid_section(const Results& results) {
       row += cell(figure(u, short_number(unit.factor * u) + "&#160;" + pretty(unit.name)));
     for (const double angle : rigid.rotation) row += cell(figure(angle, short_number(1e3 * angle) + "&#160;mrad"));
     motions.push_back(row);
-    const std::pair<const char*, Vec3> parts[] = {
+    const std::pair<const char*, Vec3> contributions[] = {
         {"loads", rigid.loads}, {"supports", rigid.supports}, {"contact", rigid.contact}};
-    for (const auto& [name, m] : parts) {
+    for (const auto& [name, m] : contributions) {
       std::string moment = name_cell(html_text(body.name)) + cell(name);
       for (const double component : m)
-        moment += cell(figure(component, short_number(part_of(component, largest)) + "&#160;N&#160;m"));
+        moment += cell(figure(component, short_number(without_rounding(component, largest)) + "&#160;N&#160;m"));
       moments.push_back(moment);
     }
   }
@@ -669,9 +671,9 @@ std::string balance_section(const Results& results) {
     for (const Vec3& f : {body.loads, body.supports, body.contact}) scale = std::max(scale, f.norm());
   std::vector<std::string> rows;
   for (const BodyBalance& body : results.balance) {
-    const std::pair<const char*, Vec3> parts[] = {
+    const std::pair<const char*, Vec3> contributions[] = {
         {"loads", body.loads}, {"supports", body.supports}, {"contact", body.contact}};
-    for (const auto& [name, f] : parts)
+    for (const auto& [name, f] : contributions)
       rows.push_back(name_cell(html_text(body.body)) + cell(name) + components(f, scale));
     worst = std::max(worst, (body.loads + body.supports + body.contact).norm());
   }
@@ -718,16 +720,16 @@ std::string maxima_section(const Results& results) {
   std::vector<std::string> rows;
   bool any_yield = false;
   for (const BodyExtremes& body : results.extremes) any_yield |= body.body.safety_factor.has_value();
-  const auto with_place = [](const std::string& value, const Extreme& extreme) {
-    return cell(value + "<br/>" + place(extreme.at));
+  const auto with_position = [](const std::string& value, const Extreme& extreme) {
+    return cell(value + "<br/>" + html_position(extreme.at));
   };
   const auto add = [&](const std::string& name, const Extremes& most) {
     const Extreme& u = most.displacement;
     std::string row = name_cell(html_text(name));
     for (const Extreme* s : {&most.von_mises, &most.tresca, &most.tension, &most.compression})
-      row += with_place(stress(s->value), *s);
-    row += with_place(figure(u.value, length_unit(u.value)), u);
-    row += most.pressure ? with_place(stress(most.pressure->value), *most.pressure) : cell("");
+      row += with_position(stress(s->value), *s);
+    row += with_position(figure(u.value, length_unit(u.value)), u);
+    row += most.pressure ? with_position(stress(most.pressure->value), *most.pressure) : cell("");
     if (any_yield)
       row += cell(most.safety_factor ? figure(*most.safety_factor, short_number(*most.safety_factor, 3)) : "");
     rows.push_back(row);
@@ -857,7 +859,7 @@ std::string date() {
   return text;
 }
 
-std::string reproduce_section(const Results& results, const PageParts& parts) {
+std::string reproduce_section(const Results& results, const PageContents& contents) {
   std::string text;
   if (!results.command.empty()) text += "<pre class=\"run\">" + html_text(results.command) + "</pre>\n";
   text +=
@@ -865,63 +867,63 @@ std::string reproduce_section(const Results& results, const PageParts& parts) {
                             processors_text(results.ranks, results.threads), html_text(results.scene_file)));
   text += "<p class=\"run\">Written " + date() + ".</p>\n";
   std::string files;
-  for (const std::string& file : parts.files) files += (files.empty() ? "" : ", ") + html_text(file);
+  for (const std::string& file : contents.files) files += (files.empty() ? "" : ", ") + html_text(file);
   return text + note("Files beside this page: " + files +
                      ". Figures in SI units: report.json; ParaView 5.11 opens the .vtkhdf files.");
 }
 
 }  // namespace
 
-std::set<std::string> pictures_for_view(const PageParts& parts) {
+std::set<std::string> pictures_for_view(const PageContents& contents) {
   std::set<std::string> beside;
-  if (parts.view.json.empty()) return beside;
+  if (contents.view.json.empty()) return beside;
   std::map<std::string, std::uintmax_t> sizes;
   std::uintmax_t bytes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(parts.directory))
+  for (const auto& entry : std::filesystem::directory_iterator(contents.directory))
     if (const auto type = entry.path().extension(); type == ".png" || type == ".svg")
       bytes += sizes[entry.path().filename().string()] = entry.file_size();
   const auto leave = [&](const std::string& file) {
     if (sizes.count(file) && beside.insert(file).second) bytes -= sizes[file];
   };
   if (bytes > pictures_beside_view)
-    for (const std::string& step : parts.steps) leave(step);
+    for (const std::string& step : contents.steps) leave(step);
   if (bytes > pictures_beside_view) leave("conditions.png");
-  for (std::size_t k = parts.pressure_maps.size(); bytes > pictures_beside_view && k-- > 1;)
-    leave(parts.pressure_maps[k].file);
+  for (std::size_t k = contents.pressure_maps.size(); bytes > pictures_beside_view && k-- > 1;)
+    leave(contents.pressure_maps[k].file);
   return beside;
 }
 
-std::string page(const Results& results, const PageParts& parts) {
+std::string page(const Results& results, const PageContents& contents) {
   std::vector<std::string> warnings = results.warnings;
-  warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
+  warnings.insert(warnings.end(), contents.warnings.begin(), contents.warnings.end());
   const std::string title = html_text(results.title.empty() ? results.scene_file : results.title);
   std::string text = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
-  text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + film_style(parts.steps.size()) +
-          view_style(parts.view) + "</style>\n</head>\n<body>\n";
+  text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + film_style(contents.steps.size()) +
+          view_style(contents.view) + "</style>\n</head>\n<body>\n";
   text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
   text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
   text += section("reliability", "How accurate is this?", reliability(results));
-  text += section("accuracy", "The way to the accuracy", accuracy_section(results, parts));
-  text += section("view", "The result in three dimensions", view_content(parts.view));
+  text += section("accuracy", "The way to the accuracy", accuracy_section(results, contents));
+  text += section("view", "The result in three dimensions", view_content(contents.view));
   text += section("picture", "Deformed bodies",
-                  picture(parts, "scene.png", "Deformed bodies: " + result_in_words(results), ""));
+                  picture(contents, "scene.png", "Deformed bodies: " + result_in_words(results), ""));
   text += section("maxima", "Largest values", maxima_section(results));
   text += section("contact", "Contact", pairs_section(results));
-  text += section("steps", "Steps", steps_section(results, parts));
-  text += section("pressure", "Pressure on the contact face", maps_section(results, parts));
-  text += section("profile", "Pressure along the path", profile_section(results, parts));
-  text += section("sections", "Sections", sections_section(parts));
-  text += section("probes", "Probes", probes_section(results, parts));
+  text += section("steps", "Steps", steps_section(results, contents));
+  text += section("pressure", "Pressure on the contact face", maps_section(results, contents));
+  text += section("profile", "Pressure along the path", profile_section(results, contents));
+  text += section("sections", "Sections", sections_section(contents));
+  text += section("probes", "Probes", probes_section(results, contents));
   text += section("reference", "Against the reference", reference_section(results));
-  text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));
+  text += section("conditions", "Supports, loads and interferences", conditions_section(results, contents));
   text += section("balance", "Forces", balance_section(results));
-  text += section("grid", "The final grid", picture(parts, "grid.png", "The cells of the bodies", grid_caption));
+  text += section("grid", "The final grid", picture(contents, "grid.png", "The cells of the bodies", grid_caption));
   text += section("bodies", "Bodies and where the error is", bodies_section(results));
   text += section("convergence", "Convergence", convergence_section(results));
   text += section("recovery", "Recovery of the stress", recovery_section(results));
   text += section("cost", "Size, time and memory", cost_section(results));
-  text += section("reproduce", "How to reproduce", reproduce_section(results, parts));
+  text += section("reproduce", "How to reproduce", reproduce_section(results, contents));
   return text + "</main>\n</body>\n</html>\n";
 }
 

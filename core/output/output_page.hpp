@@ -14,7 +14,7 @@
 namespace cgcontact {
 
 /// Contents of the page beside the results.
-struct PageParts {
+struct PageContents {
   std::string directory;  ///< of the pictures; those that are missing are left out
   std::vector<PressureMap> pressure_maps;
   std::vector<ConditionFace> faces;                           ///< of conditions.png
@@ -28,11 +28,11 @@ struct PageParts {
 
 /// Names those that would make the page too large to be mailed and that the view shows too: pictures of steps, then of
 /// faces with what holds there, then maps of the pressure from the last one on; the first stays.
-std::set<std::string> pictures_for_view(const PageParts& parts);
+std::set<std::string> pictures_for_view(const PageContents& contents);
 
 /// Returns a whole page in HTML 5, well-formed XML too, without references to anything outside. The only scripts are
 /// those of the view, without which everything else is there. Figures are `data value="..."` elements with the value in
 /// SI; what differs between two runs of a scene (times, memory, date, command) has the class "run".
-std::string page(const Results& results, const PageParts& parts);
+std::string page(const Results& results, const PageContents& contents);
 
 }  // namespace cgcontact

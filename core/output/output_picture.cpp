@@ -57,9 +57,9 @@ double end_of_colours(const std::vector<DrawnBody>& bodies) {
       for (int p : triangle.points)
         if (const double value = von_mises(body.stress[p]); std::isfinite(value)) values.push_back(value);
   if (values.empty()) return 0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
+  const auto limit = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), limit, values.end());
+  return *limit;
 }
 
 /// Extent of the deformed bodies as the camera sees them, m.
@@ -112,7 +112,7 @@ std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, 
     const DrawnBody& body = bodies[triangles[i][0]];
     const Vec3 shift = triangles[i][0] * step * view.camera.eye;
     RasterTriangle drawn;
-    drawn.part = triangles[i][0];
+    drawn.region = triangles[i][0];
     for (int v = 0; v < 3; ++v) {
       const int p = body.mesh.boundary[triangles[i][1]].points[v];
       drawn.vertices[v].position = drawn_position(body, p, view.exaggeration) + shift;
@@ -277,26 +277,26 @@ Vec3 shift_near(const DrawnBody& body, const std::vector<Vec3>& displacements, c
 
 /// Finds where the largest von Mises stress is drawn; nothing if it has been cut away. displacements: of the drawn
 /// bodies before fits were closed.
-std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& whole,
-                                     const std::vector<DrawnBody>& drawn,
-                                     const std::vector<std::vector<Vec3>>& displacements, bool opened,
-                                     const View& view) {
+std::optional<Vec3> drawn_position_of_largest(const Results& results, const std::vector<DrawnBody>& whole,
+                                              const std::vector<DrawnBody>& drawn,
+                                              const std::vector<std::vector<Vec3>>& displacements, bool opened,
+                                              const View& view) {
   const auto most = most_stressed(results);
   if (!most) return std::nullopt;
-  const Vec3& place = largest_stress(results, *most).at;
+  const Vec3& at = largest_stress(results, *most).at;
   const auto position_in = [&](const DrawnBody& body) -> std::optional<Vec3> {
     for (std::size_t p = 0; p < body.position.size(); ++p)
-      if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
+      if (body.position[p] == at) return drawn_position(body, static_cast<int>(p), view.exaggeration);
     return std::nullopt;
   };
   if (const auto found = position_in(drawn[*most]); found || opened) return found;
   const DrawnBody& body = whole[*most];
-  const Vec3 shift = view.exaggeration * shift_near(drawn[*most], displacements[*most], place);
+  const Vec3 shift = view.exaggeration * shift_near(drawn[*most], displacements[*most], at);
   if (const auto found = position_in(body)) return Vec3(*found + shift);
   for (int p = 0; p < static_cast<int>(body.mesh.num_interior_points()); ++p) {
-    if (interior_position(body, p) != place) continue;
+    if (interior_position(body, p) != at) continue;
     const std::vector<Vec3> displacement = body.interior(body.mesh, {p}).displacement;
-    return displacement.empty() ? place : Vec3(place + view.exaggeration * displacement.front() + shift);
+    return displacement.empty() ? at : Vec3(at + view.exaggeration * displacement.front() + shift);
   }
   return std::nullopt;
 }
@@ -326,7 +326,7 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
   runs.start("scene",
              picture_script("scene", results, view, size,
-                            place_of_largest(results, bodies, drawn, displacements, scene.opened, view)),
+                            drawn_position_of_largest(results, bodies, drawn, displacements, scene.opened, view)),
              {"scene.png"});
 }
 

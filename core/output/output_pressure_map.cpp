@@ -19,12 +19,12 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t most_maps = 12;
+constexpr std::size_t max_maps = 12;
 constexpr int long_side = 720;
 constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
 /// Distances along a curve, in the body's smallest cells and in fractions of the curve, within which rows of
 /// contact.csv are one point: beside each other on the face they have pressures of their own.
-constexpr double bin_in_cells = 0.5, most_bins = 400;
+constexpr double bin_in_cells = 0.5, max_bins = 400;
 /// Fraction of the largest pressure below which the face is grey. On curved faces the recovered pressure where nothing
 /// touches is zero to a few thousandths only.
 constexpr double no_pressure = 0.005;
@@ -88,7 +88,7 @@ Paper bounds(const FaceTriangles& shape, const FaceChart& chart) {
   std::fill(paper.high, paper.high + 2, -std::numeric_limits<double>::max());
   for (const auto& t : shape.triangles)
     for (int p : t) {
-      const Vec3 x = chart.place((*shape.position)[p], centroid(shape, t));
+      const Vec3 x = chart.position((*shape.position)[p], centroid(shape, t));
       for (int k = 0; k < 2; ++k) {
         paper.low[k] = std::min(paper.low[k], x[k]);
         paper.high[k] = std::max(paper.high[k], x[k]);
@@ -153,15 +153,15 @@ std::string quantity(const Results& results, std::size_t pair) {
 }
 
 /// Fragment of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.
-using Piece = std::array<RasterVertex, 3>;
+using Fragment = std::array<RasterVertex, 3>;
 
 /// The recovered pressure at the corners of the triangles; those in which the contact zone ends are divided, because
 /// the pressure falls like a square root there.
-class Pieces {
+class Fragments {
  public:
   /// Collects the triangles that reach into the paper.
-  Pieces(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
-         const Paper& paper)
+  Fragments(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
+            const Paper& paper)
       : body_(results.bodies[face.body]),
         range_(range_of(results, face.pair)),
         bonded_(results.pairs[face.pair].bonded),
@@ -172,25 +172,27 @@ class Pieces {
       cell_ = surface.cell[i];
       normal_ = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
       near_ = (x[0] + x[1] + x[2]) / 3;
-      if (!reaches(paper, {chart_.place(x[0], near_), chart_.place(x[1], near_), chart_.place(x[2], near_)})) continue;
+      if (!reaches(paper, {chart_.position(x[0], near_), chart_.position(x[1], near_), chart_.position(x[2], near_)}))
+        continue;
       Corner corners[3];
       for (int v = 0; v < 3; ++v) corners[v] = corner(x[v]);
-      divide(corners[0], corners[1], corners[2], most_divisions);
+      divide(corners[0], corners[1], corners[2], max_divisions);
     }
   }
 
-  const std::vector<Piece>& all() const { return pieces_; }
+  const std::vector<Fragment>& all() const { return fragments_; }
 
   /// Draws the line where the pressure passes a fraction of the largest one on the side towards the viewer, for
   /// gnuplot.
   std::string contour(double fraction, const DisplayUnit& unit) const {
     std::string lines;
-    for (const Piece& piece : pieces_) {
-      const Vec3 side = piece[1].position - piece[0].position, other = piece[2].position - piece[0].position;
+    for (const Fragment& fragment : fragments_) {
+      const Vec3 side = fragment[1].position - fragment[0].position,
+                 other = fragment[2].position - fragment[0].position;
       if (side[0] * other[1] - side[1] * other[0] <= 0) continue;
       int found = 0;
       for (int v = 0; v < 3; ++v) {
-        const RasterVertex &a = piece[v], &b = piece[(v + 1) % 3];
+        const RasterVertex &a = fragment[v], &b = fragment[(v + 1) % 3];
         if ((a.value > fraction) == (b.value > fraction)) continue;
         const Vec3 x = a.position + (fraction - a.value) / (b.value - a.value) * (b.position - a.position);
         fmt::format_to(std::back_inserter(lines), "{:.7g} {:.7g}\n", x[0] * unit.factor, x[1] * unit.factor);
@@ -202,7 +204,7 @@ class Pieces {
   }
 
  private:
-  static constexpr int most_divisions = 3;
+  static constexpr int max_divisions = 3;
   struct Corner {
     Vec3 x;
     double value;
@@ -237,10 +239,10 @@ class Pieces {
     }
     const double cells_per_unit = 1 / body_.cut_cells->size(cell_);
     const auto vertex = [&](const Corner& p) {
-      return RasterVertex{chart_.place(p.x, near_), cells_per_unit * body_.cut_cells->grid.to_grid(p.x), p.value};
+      return RasterVertex{chart_.position(p.x, near_), cells_per_unit * body_.cut_cells->grid.to_grid(p.x), p.value};
     };
-    pieces_.push_back(chart_.mirrored() ? Piece{vertex(a), vertex(c), vertex(b)}
-                                        : Piece{vertex(a), vertex(b), vertex(c)});
+    fragments_.push_back(chart_.mirrored() ? Fragment{vertex(a), vertex(c), vertex(b)}
+                                           : Fragment{vertex(a), vertex(b), vertex(c)});
   }
 
   const BodyFields& body_;
@@ -249,7 +251,7 @@ class Pieces {
   const FaceChart& chart_;
   int cell_ = 0;
   Vec3 normal_, near_;
-  std::vector<Piece> pieces_;
+  std::vector<Fragment> fragments_;
 };
 
 GnuplotTitle title_of(const Results& results, const Face& face, int width) {
@@ -271,14 +273,14 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
     camera.low[k] = paper.low[k] - margin;
     size[k] = static_cast<int>(std::ceil((paper.extent(k) + 2 * margin) * camera.pixels_per_metre));
   }
-  const Pieces pieces(results, surface, face, chart, paper);
-  const auto triangle = [&](std::size_t k) { return RasterTriangle{pieces.all()[k], 0}; };
+  const Fragments fragments(results, surface, face, chart, paper);
+  const auto triangle = [&](std::size_t k) { return RasterTriangle{fragments.all()[k], 0}; };
   write_text(folder + "/" + name + ".rgb",
              render(size, camera, results.pairs[face.pair].bonded ? palette_colour : pressure_colour, 0,
-                    pieces.all().size(), triangle)
+                    fragments.all().size(), triangle)
                  .pixels);
   const DisplayUnit length = unit_of(paper);
-  const std::string lines = results.pairs[face.pair].bonded ? "" : pieces.contour(zone_end, length);
+  const std::string lines = results.pairs[face.pair].bonded ? "" : fragments.contour(zone_end, length);
   if (!lines.empty()) write_text(folder + "/" + name + ".dat", lines);
 
   const Range range = range_of(results, face.pair);
@@ -318,7 +320,7 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
 
 /// Sums over the rows in a bin of a curve.
 struct Bin {
-  double place = 0, pressure = 0, closed = 0, weight = 0;
+  double coordinate = 0, pressure = 0, closed = 0, weight = 0;
   bool is_closed() const { return 2 * closed > weight; }
 };
 
@@ -328,13 +330,13 @@ std::string curve_data(const Results& results, const Face& face, const FaceChart
                        std::vector<double>& borders) {
   std::string data;
   for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
-    const double width = std::max(bin_in_cells * smallest_cell(results, b), paper.extent(axis) / most_bins);
+    const double width = std::max(bin_in_cells * smallest_cell(results, b), paper.extent(axis) / max_bins);
     std::map<long long, Bin> bins;
     for (const ContactRow& row : results.contact_rows) {
       if (row.body != b || row.pair != static_cast<int>(face.pair)) continue;
-      const double s = chart.place(row.x)[axis];
+      const double s = chart.position(row.x)[axis];
       Bin& bin = bins[std::llround(s / width)];
-      bin.place += row.weight * s;
+      bin.coordinate += row.weight * s;
       bin.pressure += row.weight * row.pressure_sprc;
       bin.closed += row.active ? row.weight : 0;
       bin.weight += row.weight;
@@ -342,10 +344,10 @@ std::string curve_data(const Results& results, const Face& face, const FaceChart
     const Bin* previous = nullptr;
     for (const auto& [number, bin] : bins) {
       if (!(bin.weight > 0)) continue;
-      fmt::format_to(std::back_inserter(data), "{} {}\n", bin.place / bin.weight * length.factor,
+      fmt::format_to(std::back_inserter(data), "{} {}\n", bin.coordinate / bin.weight * length.factor,
                      bin.pressure / bin.weight * stress.factor);
       if (b == face.body && previous && previous->is_closed() != bin.is_closed())
-        borders.push_back((previous->place / previous->weight + bin.place / bin.weight) / 2 * length.factor);
+        borders.push_back((previous->coordinate / previous->weight + bin.coordinate / bin.weight) / 2 * length.factor);
       previous = &bin;
     }
     if (!previous) continue;
@@ -400,7 +402,7 @@ std::vector<std::size_t> pairs_to_draw(const Results& results) {
     return std::isfinite(f) ? f : 0;
   };
   std::stable_sort(pairs.begin(), pairs.end(), [&](std::size_t a, std::size_t b) { return force(a) > force(b); });
-  pairs.resize(std::min(pairs.size(), most_maps));
+  pairs.resize(std::min(pairs.size(), max_maps));
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

@@ -129,10 +129,10 @@ void write_probes_csv(const Results& results, const std::string& file_name) {
       for (const double value : {sample.way, sample.x[0], sample.x[1], sample.x[2], sample.weight})
         fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
       for (const ScalarField field : columns) {
-        const auto place = std::find(probe.fields.begin(), probe.fields.end(), field);
-        const double value = place == probe.fields.end()
+        const auto found = std::find(probe.fields.begin(), probe.fields.end(), field);
+        const double value = found == probe.fields.end()
                                  ? std::nan("")
-                                 : sample.values[static_cast<std::size_t>(place - probe.fields.begin())];
+                                 : sample.values[static_cast<std::size_t>(found - probe.fields.begin())];
         text += std::isfinite(value) ? fmt::format(",{:.{}g}", value, digits) : ",";
       }
       text += "\n";

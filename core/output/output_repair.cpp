@@ -12,12 +12,12 @@ namespace {
 
 constexpr const char* picture = "check_repair.png";
 constexpr Rgb as_before{0.82, 0.83, 0.85}, new_triangle{0.90, 0.36, 0.28};
-constexpr std::size_t most_surfaces = 12;
+constexpr std::size_t max_surfaces = 12;
 
 RenderedImage draw(const RepairedSurface& surface, const Panel& view) {
   const auto triangle = [&](std::size_t t) {
     RasterTriangle drawn;
-    drawn.part = surface.is_new[t];
+    drawn.region = surface.is_new[t];
     for (int v = 0; v < 3; ++v) {
       const Vec3& x = surface.soup.points[surface.soup.triangles[t][v]];
       drawn.vertices[v] = {x, Vec3::Constant(0.5), packed(surface.is_new[t] ? new_triangle : as_before)};  // no grid
@@ -34,7 +34,7 @@ std::string draw_repairs(const Scene& scene, GnuplotRuns& runs) {
   for (const BodySpec& body : scene.bodies)
     for (const auto& repair : body.repairs) surfaces.emplace_back(body.name, repair.get());
   if (surfaces.empty()) return "";
-  const std::size_t shown = std::min(surfaces.size(), most_surfaces);
+  const std::size_t shown = std::min(surfaces.size(), max_surfaces);
   constexpr int row = panel + heading + gap, legend = 620;
   const int width = 3 * gap + 2 * panel + legend, height = row * static_cast<int>(shown) + gap;
   Sheet sheet;

@@ -53,7 +53,7 @@ void add_zone(const PairFigures& pair, Json& json) {
   json["normal_force"] = zone.normal_force;
   json["mean_pressure"] = zone.mean_pressure;
   json["whole"] = {
-      {"parts", zone.parts}, {"normal_force", zone.parts * zone.normal_force}, {"area", zone.parts * pair.area}};
+      {"parts", zone.sectors}, {"normal_force", zone.sectors * zone.normal_force}, {"area", zone.sectors * pair.area}};
   if (zone.moment) json["moment_about"] = json_of(*zone.moment, pair);
   json["zone"] = nullptr;
   if (zone.extent)
@@ -114,8 +114,8 @@ Json json_of(const PairFigures& pair) {
   json["force_given_by_loads"] = pair.force_given_by_loads;
   json["pressure_from"] = pair.pressure_on_face ? "face" : "stress";
   json["zones_of_stress"] = pair.zones_of_stress;
-  json["least_gap"] = pair.least_gap ? Json(*pair.least_gap) : Json();
-  json["least_gap_error"] = pair.least_gap_error ? Json(*pair.least_gap_error) : Json();
+  json["least_gap"] = pair.min_gap ? Json(*pair.min_gap) : Json();
+  json["least_gap_error"] = pair.min_gap_error ? Json(*pair.min_gap_error) : Json();
   add_zone(pair, json);
   if (pair.friction) json["friction"] = json_of(*pair.friction);
   return json;
@@ -294,12 +294,12 @@ void add_solution(const Results& results, Json& json) {
   }
 }
 
-Json json_of(const SingularPlace& place) {
-  return {{"body", place.body},
-          {"faces", place.faces},
-          {"at", json_of(place.x)},
-          {"exponent", place.exponent},
-          {"cell", place.cell}};
+Json json_of(const SingularPoint& point) {
+  return {{"body", point.body},
+          {"faces", point.faces},
+          {"at", json_of(point.x)},
+          {"exponent", point.exponent},
+          {"cell", point.cell}};
 }
 
 /// Adds a value and its position under two keys.
@@ -390,7 +390,7 @@ std::string report_text(const Results& results, const std::vector<std::string>& 
   if (results.accuracy.asked) {
     json["accuracy"] = json_of(results.accuracy);
     json["singular_places"] = Json::array();
-    for (const SingularPlace& place : results.singular_places) json["singular_places"].push_back(json_of(place));
+    for (const SingularPoint& point : results.singular_points) json["singular_places"].push_back(json_of(point));
   }
   json["version"] = CGCONTACT_VERSION;
   json["command"] = results.command;

@@ -62,7 +62,7 @@ RenderedImage draw(const Section& section, const Panel& panel) {
     const DrawnBody& body = section.bodies[b];
     const BoundaryTriangle& triangle = body.mesh.boundary[t];
     RasterTriangle drawn;
-    drawn.part = b;
+    drawn.region = b;
     for (int v = 0; v < 3; ++v) {
       const int p = triangle.points[v];
       drawn.vertices[v] = {body.position[p], std::ldexp(1.0, triangle.level) * body.mesh.points[p],

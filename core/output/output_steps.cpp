@@ -13,10 +13,10 @@ namespace cgcontact {
 namespace {
 
 /// Most steps with a picture, evenly spread, the last one among them: all of them lie on the page.
-constexpr std::size_t most_pictures = 20;
+constexpr std::size_t max_pictures = 20;
 
 bool has_picture(std::size_t number, std::size_t num_steps) {
-  const std::size_t back = num_steps - 1 - number, apart = (num_steps + most_pictures - 1) / most_pictures;
+  const std::size_t back = num_steps - 1 - number, apart = (num_steps + max_pictures - 1) / max_pictures;
   return back % apart == 0;
 }
 

@@ -86,9 +86,9 @@ double colour_limit(const std::vector<StressErrorSample>& samples) {
     if (std::isfinite(sample.error_sprc)) values.push_back(sample.error_sprc);
   }
   if (values.empty()) return 1;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place > 0 ? *place : 1;
+  const auto limit = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), limit, values.end());
+  return *limit > 0 ? *limit : 1;
 }
 
 /// Means over the thin direction: coordinate, SPR, SPR-C; one block per body.

@@ -183,8 +183,8 @@ std::string aligned(const std::vector<std::vector<std::string>>& lines) {
 
 std::string percent(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", 100 * *value) : "-"; }
 
-std::string digits(const std::optional<double>& value, int places) {
-  return value ? fmt::format("{:.{}f}", *value, places) : "-";
+std::string digits(const std::optional<double>& value, int decimals) {
+  return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
 std::string cost_table(const Study& study) {

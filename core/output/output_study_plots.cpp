@@ -72,7 +72,7 @@ std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, c
         if (row.variant != study.variants[v] || row.status != StudyRow::Status::solved) continue;
         const auto error = drawn_error(row, zone, kind);
         const double x = abscissa.value(row.figures);
-        if (error && *error > smallest_error && std::isfinite(*error) && x > 0)
+        if (error && *error > min_error && std::isfinite(*error) && x > 0)
           curve.points.push_back({x, 100 * *error});
       }
       std::stable_sort(curve.points.begin(), curve.points.end(),
@@ -215,7 +215,7 @@ struct Quantity {
   double RunFigures::Pair::*value;
   DisplayUnit (*unit)(double largest);
 };
-constexpr std::size_t num_quantities = 3, most_curves = 8;
+constexpr std::size_t num_quantities = 3, max_curves = 8;
 const Quantity quantities[num_quantities] = {{"force", &RunFigures::Pair::force, force_unit},
                                              {"largest pressure", &RunFigures::Pair::max_pressure, stress_unit},
                                              {"contact area", &RunFigures::Pair::area, area_unit}};
@@ -243,7 +243,7 @@ std::vector<FigureCurve> figure_curves(const Study& study) {
       }
       std::stable_sort(curve.points.begin(), curve.points.end(),
                        [](const auto& a, const auto& b) { return a.first < b.first; });
-      if (!curve.points.empty() && curves.size() < most_curves) curves.push_back(std::move(curve));
+      if (!curve.points.empty() && curves.size() < max_curves) curves.push_back(std::move(curve));
     }
   return curves;
 }
@@ -279,7 +279,7 @@ void write_figures_plot(const Study& study, GnuplotRuns& runs) {
     for (std::size_t c = 0; c < curves.size(); ++c)
       script += fmt::format(
           "{} 'figures.dat' index {} using 1:(${}*{}) with linespoints lc rgb '{}' lw 2 pt 7 ps 0.7 title {}",
-          c ? ", \\\n " : "", c, q + 2, unit.factor, colours[c % most_curves], gnuplot_text(curves[c].name));
+          c ? ", \\\n " : "", c, q + 2, unit.factor, colours[c % max_curves], gnuplot_text(curves[c].name));
     script += "\nunset key\n";
   }
   runs.start("figures", script + "unset multiplot\n", {"figures.svg"});

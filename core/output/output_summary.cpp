@@ -129,7 +129,7 @@ Lines step_lines(const Results& results, std::size_t rows) {
 }
 
 /// "(10, 0, -5) mm"; components that are rounding beside the others are zero.
-std::string place_text(const Vec3& x) {
+std::string position_text(const Vec3& x) {
   const double size = x.cwiseAbs().maxCoeff();
   const DisplayUnit unit = length_unit(size);
   const auto component = [&](int k) { return short_number(std::abs(x[k]) <= 1e-9 * size ? 0 : x[k] * unit.factor, 3); };
@@ -162,11 +162,11 @@ std::string zone_text(const Results& results) {
 std::string symmetry_text(const Results& results) {
   const PairFigures* most = nullptr;
   for (const PairFigures& pair : results.pairs)
-    if (pair.zone.parts > 1 && (!most || pair.zone.normal_force > most->zone.normal_force)) most = &pair;
+    if (pair.zone.sectors > 1 && (!most || pair.zone.normal_force > most->zone.normal_force)) most = &pair;
   if (!most) return "";
-  const double whole = most->zone.parts * most->zone.normal_force;
-  return fmt::format("1/{} of {} is modelled, normal force {} in all", most->zone.parts, shortened_name(most->name, 20),
-                     in_unit(whole, force_unit(whole), 5));
+  const double whole = most->zone.sectors * most->zone.normal_force;
+  return fmt::format("1/{} of {} is modelled, normal force {} in all", most->zone.sectors,
+                     shortened_name(most->name, 20), in_unit(whole, force_unit(whole), 5));
 }
 
 /// Lists what friction could carry: a line for every pair that has some, and one for its axis.
@@ -186,7 +186,7 @@ Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
                                   torque ? error(torque->error) : "-", friction.use ? use_text(*friction.use) : "-"));
     };
     add(shortened_name(pair.name, 15), friction.capacity, torque ? torque->capacity : 0);
-    if (pair.zone.parts > 1) add("  in all", friction.whole, torque ? torque->whole : 0);
+    if (pair.zone.sectors > 1) add("  in all", friction.whole, torque ? torque->whole : 0);
     if (const std::string verdict = verdict_on(friction); !verdict.empty())
       append(lines, paragraph("    ", friction.shear_error
                                           ? fmt::format("{}; shear within {}", verdict, percent(*friction.shear_error))
@@ -194,7 +194,7 @@ Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
     if (with_axes)
       append(lines, paragraph("    torque: ",
                               torque ? fmt::format("about ({}) through {}, {}", components_text(torque->axis.direction),
-                                                   place_text(torque->axis.point), name_of(torque->from))
+                                                   position_text(torque->axis.point), name_of(torque->from))
                                      : "none, " + friction.why_no_torque));
   }
   if (shown > rows) lines.push_back(fmt::format("  and {} more pairs with friction, see the report", shown - rows));
@@ -229,7 +229,7 @@ std::string rigid_text(const Results& results) {
       continue;
     }
     const auto mrad = [&](int i) { return short_number(1e3 * body.rigid->rotation[i], 3); };
-    text = fmt::format("{} moves by {}", shortened_name(body.name, 20), place_text(body.rigid->displacement));
+    text = fmt::format("{} moves by {}", shortened_name(body.name, 20), position_text(body.rigid->displacement));
     if (!body.rigid->rotation.isZero(0)) text += fmt::format(", turns by ({}, {}, {}) mrad", mrad(0), mrad(1), mrad(2));
   }
   if (more > 0) text += fmt::format("; {} more in the report", more);
@@ -248,7 +248,7 @@ std::string maxima_text(const Results& results) {
   };
   std::string text = fmt::format("von Mises {} in {} at {}; principal {} to {}; displacement {}",
                                  stress_text(most.value), shortened_name(results.bodies[stressed].name, 20),
-                                 place_text(most.at), principal(bodies[pressed].body.compression.value),
+                                 position_text(most.at), principal(bodies[pressed].body.compression.value),
                                  principal(bodies[pulled].body.tension.value), in_unit(moved, length_unit(moved), 4));
   if (const auto factor = safety_factor(results)) text += "; yield / von Mises " + short_number(*factor, 3);
   return text;
@@ -329,11 +329,11 @@ Lines closing_lines(const Results& results, const std::string& directory) {
   std::string others;
   for (const char* name : {"report.html", "report.json", "scene.png", "steps.csv", "contact.csv", "result.vtkhdf"})
     if (fs::exists(fs::path(directory) / name)) others += fmt::format(" {}", name);
-  const std::string place = fmt::format("  results in {}:", directory);
-  if (columns_of(place + others) <= screen_width)
-    lines.push_back(place + others);
+  const std::string heading = fmt::format("  results in {}:", directory);
+  if (columns_of(heading + others) <= screen_width)
+    lines.push_back(heading + others);
   else
-    append(lines, {place, "   " + others});
+    append(lines, {heading, "   " + others});
   if (!fs::exists(fs::path(directory) / "report.html")) return lines;
   const char* const next = results.converged ? "  open next: " : "  open, for what went wrong: ";
   lines.push_back(next + (fs::path(directory) / "report.html").string());

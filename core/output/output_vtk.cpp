@@ -65,7 +65,7 @@ class BodyWriter {
   template <class T, class Fill>
   void cells(const std::string& name, int columns, const Fill& fill) const {
     write<T>(
-        name, columns, [](const ClippedMesh& mesh) { return mesh.num_pieces(); }, fill);
+        name, columns, [](const ClippedMesh& mesh) { return mesh.num_polyhedra(); }, fill);
   }
 
   /// Displacement, stress and von Mises stress of the bodies; only those that all of them have. can_grow: behind the
@@ -107,8 +107,8 @@ class BodyWriter {
     GridSizes sizes;
     for (const DrawnBody& body : bodies_) {
       sizes.points += body.mesh.num_points();
-      sizes.cells += body.mesh.num_pieces();
-      sizes.ids += offset_of_cell(body.mesh, body.mesh.num_pieces());
+      sizes.cells += body.mesh.num_polyhedra();
+      sizes.ids += offset_of_cell(body.mesh, body.mesh.num_polyhedra());
     }
     write_header(sizes, file_, version);
     write<double>(
@@ -149,11 +149,11 @@ class BodyWriter {
   }
 
   void connectivity(const GridSizes& sizes) const {
-    const auto count = [](const ClippedMesh& mesh) { return mesh.num_pieces(); };
+    const auto count = [](const ClippedMesh& mesh) { return mesh.num_polyhedra(); };
     std::vector<long long> first_id(bodies_.size() + 1, 0), first_point(first_id);
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       const ClippedMesh& mesh = bodies_[b].mesh;
-      first_id[b + 1] = first_id[b] + static_cast<long long>(offset_of_cell(mesh, mesh.num_pieces()));
+      first_id[b + 1] = first_id[b] + static_cast<long long>(offset_of_cell(mesh, mesh.num_polyhedra()));
       first_point[b + 1] = first_point[b] + static_cast<long long>(mesh.num_points());
     }
     HdfRows<long long> ids(file_, "/VTKHDF/Connectivity", sizes.ids);
@@ -162,7 +162,7 @@ class BodyWriter {
       const std::size_t offset = offset_of_cell(mesh, first);
       std::vector<long long> block(offset_of_cell(mesh, end) - offset);
       parallel_for("cgcontact::output_vtk::connectivity", end - first, 1024, [&](std::size_t i) {
-        const ClippedMesh::Piece cell = mesh.piece(first + i);
+        const ClippedMesh::Polyhedron cell = mesh.polyhedron(first + i);
         long long* id = &block[offset_of_cell(mesh, first + i) - offset];
         for (int p = 0; p < cell.num_points; ++p) id[p] = first_point[b] + cell.points[p];
       });
@@ -212,7 +212,7 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
                    [&](std::size_t b, std::size_t i, int* row) { *row = active_cell(bodies[b].mesh, i); });
   if (std::all_of(results.bodies.begin(), results.bodies.end(), [](const auto& fields) { return fields.stress_raw; }))
     write.cells<float>("CellData/stress_raw", 6, [&](std::size_t b, std::size_t i, float* row) {
-      const ClippedMesh::Piece cell = bodies[b].mesh.piece(i);
+      const ClippedMesh::Polyhedron cell = bodies[b].mesh.polyhedron(i);
       Vec3 centroid = Vec3::Zero();
       for (int p = 0; p < cell.num_points; ++p) centroid += point_of(bodies[b].mesh, cell.points[p]) / cell.num_points;
       const BodyFields& fields = results.bodies[b];

@@ -43,9 +43,9 @@ void Panel::fit(const std::vector<Vec3>& positions) {
   double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
   for (const Vec3& x : positions)
     for (int k = 0; k < 2; ++k) {
-      const double place = (k == 0 ? camera.right : camera.up).dot(x);
-      low[k] = std::min(low[k], place);
-      high[k] = std::max(high[k], place);
+      const double coordinate = (k == 0 ? camera.right : camera.up).dot(x);
+      low[k] = std::min(low[k], coordinate);
+      high[k] = std::max(high[k], coordinate);
     }
   const double largest = std::max({high[0] - low[0], high[1] - low[1], 1e-300});
   size = {side, side};

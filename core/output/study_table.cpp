@@ -65,7 +65,7 @@ std::optional<double> pressure_error(const StudyRow& row, const std::string& zon
 
 std::optional<double> error_ratio(const StudyRow& row, const std::string& zone) {
   for (const ZoneError& error : row.errors)
-    if (error.zone == zone && error.sprc > smallest_error) return error.spr / error.sprc;
+    if (error.zone == zone && error.sprc > min_error) return error.spr / error.sprc;
   return std::nullopt;
 }
 
@@ -79,7 +79,7 @@ std::optional<double> observed_rate(const Study& study, const StudyRow& row, con
   const StudyRow* const coarse = next_coarser(study, row);
   if (!coarse || row.status != StudyRow::Status::solved) return std::nullopt;
   const auto before = pressure_error(*coarse, zone, kind), after = pressure_error(row, zone, kind);
-  if (!before || !after || !(std::min(*before, *after) > smallest_error)) return std::nullopt;
+  if (!before || !after || !(std::min(*before, *after) > min_error)) return std::nullopt;
   return std::log(*before / *after) / std::log(coarse->cell_size / row.cell_size);
 }
 

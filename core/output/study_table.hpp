@@ -50,7 +50,7 @@ struct PressureKind {
 const std::vector<PressureKind>& pressure_kinds();
 
 /// Errors below this are rounding: no rate, ratio or point in a plot.
-constexpr double smallest_error = 1e-10;
+constexpr double min_error = 1e-10;
 
 const char* status_name(StudyRow::Status status);
 

@@ -80,12 +80,12 @@ InterruptionWatch::~InterruptionWatch() {
 
 CleanUp::CleanUp(std::function<void()> action) {
   const std::lock_guard lock(mutex);
-  place_ = actions.insert(actions.end(), std::move(action));
+  registered_ = actions.insert(actions.end(), std::move(action));
 }
 
 CleanUp::~CleanUp() {
   const std::lock_guard lock(mutex);
-  actions.erase(place_);
+  actions.erase(registered_);
 }
 
 void uninterrupted(const std::function<void()>& step) {

@@ -32,7 +32,7 @@ class CleanUp {
   CleanUp& operator=(const CleanUp&) = delete;
 
  private:
-  std::list<std::function<void()>>::iterator place_;
+  std::list<std::function<void()>>::iterator registered_;
 };
 
 /// Runs a step that is done wholly or not at all: an interruption waits for its end, or comes before it.

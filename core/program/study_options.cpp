@@ -97,7 +97,7 @@ std::vector<std::string> parse_factors(const std::string& text) {
   return factors;
 }
 
-int parse_threads(const std::string& text) { return integer(text, most_threads, "number of threads"); }
+int parse_threads(const std::string& text) { return integer(text, max_threads, "number of threads"); }
 
 std::vector<int> parse_thread_list(const std::string& text) {
   std::vector<int> list;
@@ -129,6 +129,6 @@ std::vector<StudyOptions::Backend> parse_backends(const std::string& text) {
   return backends;
 }
 
-int parse_repeat(const std::string& text) { return integer(text, most_repeats, "number of repetitions"); }
+int parse_repeat(const std::string& text) { return integer(text, max_repeats, "number of repetitions"); }
 
 }  // namespace cgcontact

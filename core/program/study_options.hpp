@@ -21,7 +21,7 @@ struct StudyOptions {
   bool resume = false;                         ///< take over finished runs of an earlier study
 };
 
-constexpr int most_threads = 4096, most_repeats = 1000;
+constexpr int max_threads = 4096, max_repeats = 1000;
 
 /// Splits and trims "a,b,c". Throws InputError if the list or an entry is empty or an entry is given twice. All
 /// functions below throw InputError with the value and what is allowed.

@@ -24,7 +24,7 @@ struct Candidates {
 };
 
 /// Interval of t where the signature is constant.
-struct Piece {
+struct SliceRange {
   double begin, end;
   Signature signature;
 };
@@ -224,14 +224,14 @@ class IntervalFinder {
     merge_ = !candidates_.scan;
     split_at_candidates();
     for (int pass = 0; pass < 4 && candidates_.scan; ++pass)
-      if (!scan_pieces()) break;
-    if (candidates_.scan) merge_pieces();
-    for (const Piece& piece : pieces_) {
-      if (piece.signature.empty) continue;
+      if (!scan_ranges()) break;
+    if (candidates_.scan) merge_ranges();
+    for (const SliceRange& range : ranges_) {
+      if (range.signature.empty) continue;
       if (candidates_.scan)
-        refine(piece, 0, intervals);
+        refine(range, 0, intervals);
       else
-        intervals.push_back(make_interval(piece));
+        intervals.push_back(make_interval(range));
     }
   }
 
@@ -239,11 +239,11 @@ class IntervalFinder {
   void append(double begin, double end, const Signature& signature) {
     // while intervals are still to be scanned they keep the candidates as their ends
     const auto& kept = merge_ ? candidates_.forced : candidates_.t;
-    if (!pieces_.empty() && pieces_.back().signature == signature &&
+    if (!ranges_.empty() && ranges_.back().signature == signature &&
         std::find(kept.begin(), kept.end(), begin) == kept.end())
-      pieces_.back().end = end;
+      ranges_.back().end = end;
     else
-      pieces_.push_back({begin, end, signature});
+      ranges_.push_back({begin, end, signature});
   }
 
   void split_at_candidates() {
@@ -257,16 +257,16 @@ class IntervalFinder {
     append(begin, width_, slicer_.signature(0.5 * (begin + width_)));
   }
 
-  void merge_pieces() {
-    std::vector<Piece> all;
-    all.swap(pieces_);
+  void merge_ranges() {
+    std::vector<SliceRange> all;
+    all.swap(ranges_);
     merge_ = true;
-    for (const Piece& piece : all) {
-      const bool tiny = piece.end - piece.begin < unresolved * width_;
-      if (tiny && !pieces_.empty() && !piece.signature.empty && !pieces_.back().signature.empty)
-        pieces_.back().end = piece.end;
+    for (const SliceRange& range : all) {
+      const bool tiny = range.end - range.begin < unresolved * width_;
+      if (tiny && !ranges_.empty() && !range.signature.empty && !ranges_.back().signature.empty)
+        ranges_.back().end = range.end;
       else
-        append(piece.begin, piece.end, piece.signature);
+        append(range.begin, range.end, range.signature);
     }
   }
 
@@ -294,32 +294,32 @@ class IntervalFinder {
   }
 
   /// Looks for changes of the signature inside the intervals; true if there were any.
-  bool scan_pieces() {
-    std::vector<Piece> coarse;
-    std::vector<double> places;
-    coarse.swap(pieces_);
-    for (const Piece& piece : coarse) {
-      if (piece.end - piece.begin < unresolved * width_) {
-        append(piece.begin, piece.end, piece.signature);
+  bool scan_ranges() {
+    std::vector<SliceRange> coarse;
+    std::vector<double> positions;
+    coarse.swap(ranges_);
+    for (const SliceRange& range : coarse) {
+      if (range.end - range.begin < unresolved * width_) {
+        append(range.begin, range.end, range.signature);
         continue;
       }
-      scan_places(piece, places);
-      double begin = piece.begin;
-      Signature previous = slicer_.signature(places[0]);
-      for (std::size_t i = 1; i < places.size(); ++i) {
-        const Signature s = slicer_.signature(places[i]);
-        find_changes(begin, places[i - 1], previous, places[i], s);
+      scan_positions(range, positions);
+      double begin = range.begin;
+      Signature previous = slicer_.signature(positions[0]);
+      for (std::size_t i = 1; i < positions.size(); ++i) {
+        const Signature s = slicer_.signature(positions[i]);
+        find_changes(begin, positions[i - 1], previous, positions[i], s);
         previous = s;
       }
-      append(begin, piece.end, previous);
+      append(begin, range.end, previous);
     }
-    return pieces_.size() > coarse.size();
+    return ranges_.size() > coarse.size();
   }
 
-  void scan_places(const Piece& piece, std::vector<double>& places) const {
+  void scan_positions(const SliceRange& range, std::vector<double>& positions) const {
     static const double fractions[] = {1e-7, 0.04, 0.12, 0.22, 0.33, 0.44, 0.56, 0.67, 0.78, 0.88, 0.96, 1 - 1e-7};
-    places.clear();
-    for (double f : fractions) places.push_back(piece.begin + f * (piece.end - piece.begin));
+    positions.clear();
+    for (double f : fractions) positions.push_back(range.begin + f * (range.end - range.begin));
   }
 
   /// Area and first moment of the slices of an interval.
@@ -339,12 +339,12 @@ class IntervalFinder {
   }
 
   /// Bisects while the measure is not resolved (curves that nearly touch or cross).
-  void refine(const Piece& piece, int depth, std::vector<Interval>& intervals) {
+  void refine(const SliceRange& range, int depth, std::vector<Interval>& intervals) {
     constexpr int max_depth = 12;
     constexpr double tolerance = 1e-11;
-    const Interval whole = make_interval(piece);
-    const double middle = 0.5 * (piece.begin + piece.end);
-    const Piece first{piece.begin, middle, piece.signature}, second{middle, piece.end, piece.signature};
+    const Interval whole = make_interval(range);
+    const double middle = 0.5 * (range.begin + range.end);
+    const SliceRange first{range.begin, middle, range.signature}, second{middle, range.end, range.signature};
     const double error = (measure(whole) - measure(make_interval(first)) - measure(make_interval(second))).norm();
     if (!(error > tolerance * width_ * width_) || depth == max_depth) {
       intervals.push_back(whole);
@@ -354,19 +354,19 @@ class IntervalFinder {
     }
   }
 
-  Interval make_interval(const Piece& piece) const {
-    Interval interval{piece.begin, piece.end, 0, 0, false, false};
-    const double length = piece.end - piece.begin, tiny = 1e-12 * width_;
+  Interval make_interval(const SliceRange& range) const {
+    Interval interval{range.begin, range.end, 0, 0, false, false};
+    const double length = range.end - range.begin, tiny = 1e-12 * width_;
     for (const Tangency& tangency : candidates_.tangencies) {
-      if (!(piece.signature.used >> tangency.function & 1)) continue;
-      const double before = piece.begin - tangency.t, after = tangency.t - piece.end;
+      if (!(range.signature.used >> tangency.function & 1)) continue;
+      const double before = range.begin - tangency.t, after = tangency.t - range.end;
       if (before >= -tiny && before <= 2 * length && (!interval.left_singular || tangency.t > interval.left)) {
         interval.left_singular = true;
-        interval.left = std::min(tangency.t, piece.begin);
+        interval.left = std::min(tangency.t, range.begin);
       }
       if (after >= -tiny && after <= 2 * length && (!interval.right_singular || tangency.t < interval.right)) {
         interval.right_singular = true;
-        interval.right = std::max(tangency.t, piece.end);
+        interval.right = std::max(tangency.t, range.end);
       }
     }
     return interval;
@@ -376,7 +376,7 @@ class IntervalFinder {
   Candidates& candidates_;
   const double width_;
   bool merge_ = true;
-  std::vector<Piece> pieces_;
+  std::vector<SliceRange> ranges_;
 };
 
 }  // namespace

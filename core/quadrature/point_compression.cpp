@@ -206,8 +206,8 @@ void orthogonalise(FunctionTable& functions, const Vector& weights) {
     for (int pass = 0; pass < 2; ++pass)
       for (int g = 0; g < kept; ++g) {
         const double* const other = functions[g];
-        const double part = product(row, other) / product(other, other);
-        for (int p = 0; p < n; ++p) row[p] -= part * other[p];
+        const double factor = product(row, other) / product(other, other);
+        for (int p = 0; p < n; ++p) row[p] -= factor * other[p];
       }
     if (!(product(row, row) > dependent * dependent * before)) continue;
     double largest = 0;
@@ -236,25 +236,25 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
   orthogonalise(functions, weights);
   const std::size_t n = weights.size(), batch = 2 * static_cast<std::size_t>(functions.num_functions);
   // Batches are from all over: the functions nearly depend on each other at adjacent points.
-  const std::size_t parts = 1 + n / batch;
+  const std::size_t stride = 1 + n / batch;
   std::vector<int> order;
-  for (std::size_t first = 0; first < parts; ++first)
-    for (std::size_t p = first; p < n; p += parts) order.push_back(static_cast<int>(p));
+  for (std::size_t first = 0; first < stride; ++first)
+    for (std::size_t p = first; p < n; p += stride) order.push_back(static_cast<int>(p));
   std::vector<int> chosen;
   FunctionTable table;
-  Vector part;
+  Vector chosen_weights;
   for (std::size_t next = 0; next < n;) {
     while (next < n && chosen.size() < batch) chosen.push_back(order[next++]);
     table.resize(functions.num_functions, static_cast<int>(chosen.size()));
-    part.resize(chosen.size());
-    for (std::size_t i = 0; i < chosen.size(); ++i) part[i] = weights[chosen[i]];
+    chosen_weights.resize(chosen.size());
+    for (std::size_t i = 0; i < chosen.size(); ++i) chosen_weights[i] = weights[chosen[i]];
     for (int f = 0; f < functions.num_functions; ++f)
       for (std::size_t i = 0; i < chosen.size(); ++i) table[f][i] = functions[f][chosen[i]];
-    compress_weights(table, part);
+    compress_weights(table, chosen_weights);
     std::vector<int> left;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      weights[chosen[i]] = part[i];
-      if (part[i] > 0) left.push_back(chosen[i]);
+      weights[chosen[i]] = chosen_weights[i];
+      if (chosen_weights[i] > 0) left.push_back(chosen[i]);
     }
     if (left.size() >= batch) left.clear();  // not to rounding accuracy: these stay as they are
     chosen.swap(left);
@@ -264,7 +264,7 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
 /// The least change in the sense of sum (change^2 / weight): weights times a combination of the functions, by
 /// Cholesky's factors of their products.
 bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights) {
-  constexpr double least_pivot = 1e-8;  // of a function's square: what is left of it beside the others is rounding
+  constexpr double min_pivot = 1e-8;    // of a function's square: what is left of it beside the others is rounding
   constexpr double good_enough = 1e-6;  // of the largest integral: functions that nearly depend on others
   const int m = functions.num_functions, n = static_cast<int>(weights.size()), all = functions.num_points;
   Vector wanted(m, 0.0), factor(static_cast<std::size_t>(m) * m, 0.0), trial = weights;
@@ -293,7 +293,7 @@ bool take_integrals(const FunctionTable& functions, const std::vector<double>& o
       own[g] /= before[g];
       own[f] -= own[g] * own[g];
     }
-    independent[f] = own[f] > least_pivot * square;
+    independent[f] = own[f] > min_pivot * square;
     own[f] = independent[f] ? std::sqrt(own[f]) : 1;
   }
   double error = 0;

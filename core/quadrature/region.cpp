@@ -46,9 +46,9 @@ double Graph::height(double s, double t) const {
 
 int RegionPredicate::operator()(std::uint64_t mask) const {
   const std::uint64_t sides = mask & surface_mask;
-  if (piece == 0) return (*table)[sides];
+  if (facet == 0) return (*table)[sides];
   if (((mask & lower) != 0) == ((mask & upper) != 0)) return 0;
-  return static_cast<int>((*table)[sides | piece]) - static_cast<int>((*table)[sides & ~piece]);
+  return static_cast<int>((*table)[sides | facet]) - static_cast<int>((*table)[sides & ~facet]);
 }
 
 void Region::add(const RegionFunction& function) {

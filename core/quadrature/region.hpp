@@ -52,10 +52,10 @@ struct RegionFunction {
 struct RegionPredicate {
   const std::vector<unsigned char>* table = nullptr;  ///< inside or not for every combination of the surface bits
   std::uint64_t surface_mask = 0;
-  std::uint64_t piece = 0;             ///< bit of the surface whose piece is sought; 0: the region itself
-  std::uint64_t lower = 0, upper = 0;  ///< bits of the piece's surface on the two faces of the cell
+  std::uint64_t facet = 0;             ///< bit of the surface whose facet is sought; 0: the region itself
+  std::uint64_t lower = 0, upper = 0;  ///< bits of the facet's surface on the two faces of the cell
   std::uint64_t divider_mask = 0;
-  /// Returns for a region: 1 inside, else 0. Piece: 1 if the body lies on the inner side of the surface, -1 if on the
+  /// Returns for a region: 1 inside, else 0. Facet: 1 if the body lies on the inner side of the surface, -1 if on the
   /// outer side, 0 if this point of the surface is not on the body's boundary or not between the two faces.
   int operator()(std::uint64_t mask) const;
 };

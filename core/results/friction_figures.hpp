@@ -20,7 +20,7 @@ struct TorqueCapacity {
   Axis axis;
   From from = From::scene;      ///< where the axis comes from
   double capacity = 0;          ///< N m, the coefficient times the integral of pressure times distance from the axis
-  double whole = 0;             ///< N m, of all equal sectors of the zone (ZoneFigures::parts)
+  double whole = 0;             ///< N m, of all equal sectors of the zone (ZoneFigures::sectors)
   double carried = 0;           ///< N m, what friction acts with on the first body about the axis
   std::optional<double> error;  ///< estimated, relative; none: that of the force has none
 };

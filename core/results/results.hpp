@@ -153,7 +153,7 @@ struct PairFigures {
   /// Relative error of the pressure by that of the force, which a problem on the face takes as it is: beside the
   /// estimate, at the force of the run; with [accuracy] in it. 0 where the stress gives the pressure, whose estimate
   /// has it.
-  double force_part_of_pressure = 0;
+  double force_error_of_pressure = 0;
   bool pressure_on_face = false;  ///< that is from problems on the faces wherever the faces touch
   /// Zones without a problem on the face, whose pressure is that of the stress: the zone reaches the end of a face, or
   /// the face turns by more than 30 degrees and is not round about one axis, or the zone is more than some 90 cells
@@ -165,9 +165,9 @@ struct PairFigures {
   bool force_given_by_loads = false;                  ///< by equilibrium alone
   /// Smallest gap left between faces that nothing presses, and its estimated error, m; none: contact, or nothing
   /// opposite.
-  std::optional<double> least_gap, least_gap_error;
-  Vec3 least_gap_at = Vec3::Zero();         ///< m
-  double least_gap_cell = 0;                ///< m, size of the larger cell there
+  std::optional<double> min_gap, min_gap_error;
+  Vec3 min_gap_at = Vec3::Zero();           ///< m
+  double min_gap_cell = 0;                  ///< m, size of the larger cell there
   ZoneFigures zone;                         ///< of the last step
   std::optional<FrictionFigures> friction;  ///< none: the scene has no friction there
 };
@@ -273,7 +273,7 @@ struct AccuracyFigures {
 };
 
 /// Position where the stress has no finite value: from solve to solve it grows like a negative power of the cell size.
-struct SingularPlace {
+struct SingularPoint {
   std::string body;
   std::vector<std::string> faces;  ///< of the body, with those of supports and loads, that come near
   Vec3 x = Vec3::Zero();           ///< m
@@ -343,7 +343,7 @@ struct Results {
   std::vector<StressErrorSample> stress_errors;
   std::vector<ZoneError> pressure_errors;
   AccuracyFigures accuracy;
-  std::vector<SingularPlace> singular_places;  ///< with [accuracy], from two solves on
+  std::vector<SingularPoint> singular_points;  ///< with [accuracy], from two solves on
 };
 
 /// Returns whether any pair has a friction coefficient.

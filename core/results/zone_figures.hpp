@@ -41,7 +41,7 @@ struct HertzFigures {
 struct ZoneFigures {
   double normal_force = 0;   ///< N, integral of the transmitted pressure: magnitudes, not their resultant
   double mean_pressure = 0;  ///< Pa, that over the area
-  int parts = 1;             ///< equal ones that planes of symmetry divide the whole zone into; one of them is modelled
+  int sectors = 1;           ///< equal ones that planes of symmetry divide the whole zone into; one of them is modelled
   std::optional<MomentAbout> moment;
   std::optional<ZoneExtent> extent;   ///< none: the zone goes round a corner or about an axis
   std::optional<HertzFigures> hertz;  ///< none: the faces there are no quadrics, or his theory does not hold

@@ -19,13 +19,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double mm = 1e-3;
-constexpr int default_cells = 20;       // along the longest side of a solid
-constexpr double near_share = 0.01;     // of the smaller solid's longest side: faces this near to each other may touch
-constexpr double least_facing = -0.5;   // cosine between the normals of faces that face each other
-constexpr double least_share = 1e-3;    // of the smaller face: what lies less near than this touches along an edge only
-constexpr double cells_through = 3;     // the thinnest side of a solid, if that does not take too many cells
-constexpr double most_cells = 60000;    // of a solid
-constexpr std::size_t most_lines = 24;  // of faces of a solid
+constexpr int default_cells = 20;    // along the longest side of a solid
+constexpr double near_share = 0.01;  // of the smaller solid's longest side: faces this near to each other may touch
+constexpr double max_facing_cosine = -0.5;  // cosine between the normals of faces that face each other
+constexpr double min_share = 1e-3;     // of the smaller face: what lies less near than this touches along an edge only
+constexpr double cells_through = 3;    // the thinnest side of a solid, if that does not take too many cells
+constexpr double max_cells = 60000;    // of a solid
+constexpr std::size_t max_lines = 24;  // of faces of a solid
 constexpr std::size_t longest_word = 80;  // of a name of a scene, which may be a little longer
 constexpr double no_gap = 1e-9;           // m: less is rounding
 
@@ -72,17 +72,17 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
       constexpr int n = 4;
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j) {
-          const CurvedPlace place = from_body.surface().curved.place(t, (i + 1.0 / 3) / n, (j + 1.0 / 3) / n);
-          const TriangleSurface::Foot foot = to.nearest(place.x, -1, limit);
-          if (foot.triangle < 0 || from.normal(t).dot(to.normal(foot.triangle)) > least_facing) continue;
+          const CurvedPoint sample = from_body.surface().curved.point_at(t, (i + 1.0 / 3) / n, (j + 1.0 / 3) / n);
+          const TriangleSurface::Foot foot = to.nearest(sample.x, -1, limit);
+          if (foot.triangle < 0 || from.normal(t).dot(to.normal(foot.triangle)) > max_facing_cosine) continue;
           const int face = to.patch(foot.triangle);
           areas[{from.patch(t), face}] += 2 * area_of(from, t) / (n * (n + 1));
-          const Surface there = to_body.surfaces()[face].near(place.x);
-          touching.nearest = std::min(touching.nearest, (place.x - there.point).dot(there.direction));
+          const Surface there = to_body.surfaces()[face].near(sample.x);
+          touching.nearest = std::min(touching.nearest, (sample.x - there.point).dot(there.direction));
         }
     }
     for (const auto& [pair, area] : areas) {
-      if (area < least_share * whole[pair.first]) continue;
+      if (area < min_share * whole[pair.first]) continue;
       (swapped ? touching.second : touching.first).insert(pair.first);
       (swapped ? touching.first : touching.second).insert(pair.second);
     }
@@ -107,7 +107,7 @@ std::string face_lines(const CadModel& model, double scale) {
   const auto [low, high] = model.box();
   const double size = (high - low).maxCoeff();
   std::string text;
-  for (std::size_t k = 0; k < std::min(order.size(), most_lines); ++k) {
+  for (std::size_t k = 0; k < std::min(order.size(), max_lines); ++k) {
     const CadFace& face = model.faces()[order[k]];
     text += fmt::format("#   face{:<4} {:8.4g} m^2  {}", order[k] + 1, face.area * scale * scale,
                         face.kind == "other" ? "free-form" : face.kind);
@@ -117,7 +117,7 @@ std::string face_lines(const CadModel& model, double scale) {
     if (!face.name.empty()) text += fmt::format(", called \"{}\"", face.name);
     text += "\n";
   }
-  if (order.size() > most_lines) text += fmt::format("#   ... and {} smaller ones\n", order.size() - most_lines);
+  if (order.size() > max_lines) text += fmt::format("#   ... and {} smaller ones\n", order.size() - max_lines);
   return text;
 }
 
@@ -155,7 +155,7 @@ void CadTemplate::add_parts() {
     const Vec3 extent = scale_ * (high - low);
     const double volume = solid.model.volume() * scale_ * scale_ * scale_;
     const double h = two_digits(std::max(std::min(extent.maxCoeff() / cells, extent.minCoeff() / cells_through),
-                                         std::cbrt(volume / (most_cells * std::pow(cells / 20.0, 3)))));
+                                         std::cbrt(volume / (max_cells * std::pow(cells / 20.0, 3)))));
     std::vector<std::vector<std::string>> names(solid.model.faces().size());
     for (std::size_t f = 0; f < names.size(); ++f) names[f] = {fmt::format("face{}", f + 1)};
     const Solid body(std::make_shared<CadBody>(solid.model.named(names), scale_, h));

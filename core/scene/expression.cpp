@@ -92,7 +92,7 @@ std::string format_number(double value) {
 }
 
 /// Turns a muParser error into an InputError; a name that nobody knows gets a suggestion.
-[[noreturn]] void fail(const mu::ParserError& error, const std::string& text, const SourcePlace& place,
+[[noreturn]] void fail(const mu::ParserError& error, const std::string& text, const SourceLocation& location,
                        const Constants& constants, bool with_coordinates) {
   std::vector<std::string> known;
   if (with_coordinates) known.insert(known.end(), std::begin(axis_names), std::end(axis_names));
@@ -111,11 +111,11 @@ std::string format_number(double value) {
   for_each_name(text, [&](const std::string& name, bool is_called) {
     if (!is_called && contains(names_of_units(), name) && !contains(known, name) &&
         did_you_mean(name, parameters).empty())
-      throw InputError(place, in_quotes(text),
+      throw InputError(location, in_quotes(text),
                        "unknown name " + in_quotes(name) + ": a unit stands behind a number, as in \"20 mm\"",
                        join(known) + ", " + join(functions, " "));
     if (is_called && !contains(functions, name) && !contains(known, name))
-      throw InputError(place, in_quotes(text), "unknown function " + in_quotes(name) + did_you_mean(name, functions),
+      throw InputError(location, in_quotes(text), "unknown function " + in_quotes(name) + did_you_mean(name, functions),
                        join(functions, " "));
   });
   if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN && !token.empty() && starts_name(token[0])) {
@@ -129,17 +129,18 @@ std::string format_number(double value) {
       why = in_quotes(token) +
             " is a result: only parameters, pressure, stress and zones of [reference] may use it, in a scene with a "
             "contact pair";
-    throw InputError(place, in_quotes(text), why, join(known) + ", " + join(functions, " "));
+    throw InputError(location, in_quotes(text), why, join(known) + ", " + join(functions, " "));
   }
   std::string message = error.GetCode() == mu::ecINTERNAL_ERROR ? "an operand is missing" : error.GetMsg();
   while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
-  throw InputError(place, in_quotes(text), "not a valid expression: " + message + hint_of_comma(text), operators_help);
+  throw InputError(location, in_quotes(text), "not a valid expression: " + message + hint_of_comma(text),
+                   operators_help);
 }
 
 /// Rejects what muParser would accept although it makes no sense here: nothing at all, assignments, several values.
-void check_text(const std::string& text, const SourcePlace& place) {
+void check_text(const std::string& text, const SourceLocation& location) {
   const auto fail_with = [&](const std::string& problem) {
-    throw InputError(place, in_quotes(text), problem, operators_help);
+    throw InputError(location, in_quotes(text), problem, operators_help);
   };
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail_with("empty expression");
   int depth = 0;
@@ -162,28 +163,28 @@ struct TextWithoutUnits {
 };
 
 /// A unit behind "*" or "/" must not be meant as a parameter.
-void check_not_parameters(const std::string& text, const std::vector<std::string>& names, const SourcePlace& place,
-                          const Constants& constants) {
+void check_not_parameters(const std::string& text, const std::vector<std::string>& names,
+                          const SourceLocation& location, const Constants& constants) {
   for (const std::string& name : names)
     if (constants.count(name))
-      throw InputError(place, in_quotes(text), in_quotes(name) + " is a parameter and a unit",
+      throw InputError(location, in_quotes(text), in_quotes(name) + " is a parameter and a unit",
                        "another name of the parameter, or brackets around the number and its unit: (5 N)/" + name);
 }
 
 /// A word behind a number that is no unit has no meaning.
-void check_no_word(const std::string& text, std::size_t begin, const SourcePlace& place) {
+void check_no_word(const std::string& text, std::size_t begin, const SourceLocation& location) {
   std::size_t end = begin;
   while (end < text.size() && (continues_name(text[end]) || static_cast<unsigned char>(text[end]) >= 0x80)) ++end;
   const std::string word = text.substr(begin, end - begin);
   if (word.empty() || word[0] == '_' || length_of_number(text, begin) > 0) return;
   const bool celsius = word == "C" || word == "\u00b0C" || word == "degC";
   const std::string hint = celsius ? ": temperatures are differences, in K" : hint_of_unit(word);
-  throw InputError(place, in_quotes(text),
+  throw InputError(location, in_quotes(text),
                    in_quotes(word) + " is no unit" + (hint.empty() ? did_you_mean(word, names_of_units()) : hint),
                    "an operator behind the number, or one of " + join(names_of_units()));
 }
 
-TextWithoutUnits without_units(const std::string& text, const SourcePlace& place, const Constants& constants) {
+TextWithoutUnits without_units(const std::string& text, const SourceLocation& location, const Constants& constants) {
   TextWithoutUnits result{"", constants};
   std::string prefix = "_number";
   while (text.find(prefix) != std::string::npos) prefix += '_';
@@ -197,9 +198,9 @@ TextWithoutUnits without_units(const std::string& text, const SourcePlace& place
       std::vector<std::string> names;
       const std::size_t unit_length = length_of_unit(text, next, &unit, &names);
       if (unit_length == 0) {
-        check_no_word(text, next, place);
+        check_no_word(text, next, location);
       } else {
-        check_not_parameters(text, names, place, constants);
+        check_not_parameters(text, names, location, constants);
         const std::string name = prefix + std::to_string(count++);
         result.constants[name] =
             Quantity(unit.to_si(std::strtod(text.substr(k, length).c_str(), nullptr)), unit.dimension, true);
@@ -235,8 +236,8 @@ std::optional<double> constant_value(const std::string& text, const Constants& c
 
 /// Returns the dimension of the text's value, none: zero whatever its operands are. Throws InputError if it has units
 /// and its operands do not fit.
-std::optional<Dimension> dimension_of(const TextWithoutUnits& plain, const std::string& text, const SourcePlace& place,
-                                      const Constants& constants) {
+std::optional<Dimension> dimension_of(const TextWithoutUnits& plain, const std::string& text,
+                                      const SourceLocation& location, const Constants& constants) {
   NamesAndPowers names;
   names.dimension_of = [&](const std::string& name) -> std::optional<Dimension> {
     if (std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
@@ -246,13 +247,13 @@ std::optional<Dimension> dimension_of(const TextWithoutUnits& plain, const std::
     if (!found->second.dimension && found->second.value == 0) return std::nullopt;
     return found->second.dimension.value_or(Dimension{});
   };
-  names.value_of = [&](const std::string& part) { return constant_value(part, plain.constants); };
+  names.value_of = [&](const std::string& number) { return constant_value(number, plain.constants); };
   try {
     return find_dimension(plain.text, names);
   } catch (const MixedDimensions& mixed) {
     if (!plain.has_units) return std::nullopt;
     throw InputError(
-        place, in_quotes(text),
+        location, in_quotes(text),
         "mixes quantities of different dimensions: " + std::string(mixed.what()) + used_constants(text, constants),
         "quantities of one dimension in sums, comparisons, conditions, min and max; beside units, a number "
         "without one is a pure number");
@@ -279,19 +280,19 @@ struct BoundParser {
 
 /// A text that has been checked, with as many parsers as threads have ever evaluated it at once.
 struct Expression::Compiled {
-  Compiled(const TextWithoutUnits& plain_in, const std::string& text_in, const SourcePlace& place_in,
+  Compiled(const TextWithoutUnits& plain_in, const std::string& text_in, const SourceLocation& location_in,
            const Constants& constants_in)
-      : plain(plain_in), text(text_in), place(place_in), constants(constants_in) {
+      : plain(plain_in), text(text_in), location(location_in), constants(constants_in) {
     try {
       auto parser = std::make_unique<BoundParser>(plain);
       is_constant = parser->parser.GetUsedVar().empty();
       parser->parser.Eval();  // makes the bytecode
       idle.push_back(std::move(parser));
     } catch (const mu::ParserError& error) {
-      fail(error, text, place, constants, true);
+      fail(error, text, location, constants, true);
     }
   }
-  Compiled(const Compiled& other) : Compiled(other.plain, other.text, other.place, other.constants) {}
+  Compiled(const Compiled& other) : Compiled(other.plain, other.text, other.location, other.constants) {}
   Compiled& operator=(const Compiled&) = delete;
 
   double evaluate(const Vec3& point) {
@@ -305,7 +306,7 @@ struct Expression::Compiled {
     const std::string at = is_constant ? ""
                                        : " at x = " + format_number(point[0]) + ", y = " + format_number(point[1]) +
                                              ", z = " + format_number(point[2]);
-    throw InputError(place, in_quotes(text),
+    throw InputError(location, in_quotes(text),
                      "the value is " + std::string(std::isnan(value) ? "not a number" : "infinite") + at +
                          used_constants(text, constants) + " (division by zero, or a function outside its domain?)",
                      "finite values wherever the expression is used");
@@ -326,7 +327,7 @@ struct Expression::Compiled {
 
   TextWithoutUnits plain;
   std::string text;  ///< as it was written
-  SourcePlace place;
+  SourceLocation location;
   Constants constants;
   std::mutex mutex;
   std::vector<std::unique_ptr<BoundParser>> idle;
@@ -337,16 +338,16 @@ Expression::Expression() = default;
 
 Expression::Expression(double value) : constant_(value) {}
 
-Expression::Expression(const std::string& text, const SourcePlace& place, const Constants& constants,
+Expression::Expression(const std::string& text, const SourceLocation& location, const Constants& constants,
                        const std::optional<Unit>& wanted) {
-  check_text(text, place);
-  const TextWithoutUnits plain = without_units(text, place, constants);
-  auto compiled = std::make_unique<Compiled>(plain, text, place, constants);
+  check_text(text, location);
+  const TextWithoutUnits plain = without_units(text, location, constants);
+  auto compiled = std::make_unique<Compiled>(plain, text, location, constants);
   if (compiled->is_constant) constant_ = compiled->evaluate(Vec3::Zero());
   const bool zero = compiled->is_constant && constant_ == 0;
   if (plain.has_units)
-    if (const auto found = dimension_of(plain, text, place, constants); found && wanted && !zero)
-      value_in(*wanted, Quantity(0, *found, true), place, in_quotes(text), "an expression");
+    if (const auto found = dimension_of(plain, text, location, constants); found && wanted && !zero)
+      value_in(*wanted, Quantity(0, *found, true), location, in_quotes(text), "an expression");
   if (!compiled->is_constant) compiled_ = std::move(compiled);
 }
 
@@ -372,30 +373,30 @@ std::vector<Expression> Expression::compared() const {
   std::vector<Expression> differences;
   if (is_constant()) return differences;
   for (const auto& [left, right] : find_comparisons(compiled_->plain.text)) {
-    Expression difference("(" + left + ")-(" + right + ")", compiled_->place, compiled_->plain.constants);
+    Expression difference("(" + left + ")-(" + right + ")", compiled_->location, compiled_->plain.constants);
     if (!difference.is_constant()) differences.push_back(std::move(difference));
   }
   return differences;
 }
 
-Quantity evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants) {
-  check_text(text, place);
-  const TextWithoutUnits plain = without_units(text, place, constants);
+Quantity evaluate_constant(const std::string& text, const SourceLocation& location, const Constants& constants) {
+  check_text(text, location);
+  const TextWithoutUnits plain = without_units(text, location, constants);
   double value = 0;
   try {
     mu::Parser parser = make_parser(plain.constants);
     parser.SetExpr(plain.text);
     value = parser.Eval();
   } catch (const mu::ParserError& error) {
-    fail(error, text, place, constants, false);
+    fail(error, text, location, constants, false);
   }
   if (!std::isfinite(value))
-    throw InputError(place, in_quotes(text),
+    throw InputError(location, in_quotes(text),
                      "the value is not finite" + used_constants(text, constants) + " (division by zero?)",
                      "a finite number");
   Quantity quantity(value);
   if (plain.has_dimensions) {
-    const std::optional<Dimension> found = dimension_of(plain, text, place, constants);
+    const std::optional<Dimension> found = dimension_of(plain, text, location, constants);
     if (value != 0) quantity.dimension = found;
     quantity.has_units = plain.has_units;
   }

@@ -25,7 +25,7 @@ class Expression {
   explicit Expression(double value);
   /// Compiles; throws InputError that names the line, the text and the position of the mistake. Units in the text are
   /// checked against the SI unit that is `wanted` (none: any dimension), x, y and z being lengths.
-  Expression(const std::string& text, const SourcePlace& place, const Constants& constants = {},
+  Expression(const std::string& text, const SourceLocation& location, const Constants& constants = {},
              const std::optional<Unit>& wanted = std::nullopt);
   ~Expression();
   Expression(const Expression&);
@@ -50,7 +50,7 @@ class Expression {
 };
 
 /// Evaluates an expression of the constants alone; throws InputError like Expression, also if x, y or z occur.
-Quantity evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants = {});
+Quantity evaluate_constant(const std::string& text, const SourceLocation& location, const Constants& constants = {});
 
 /// Lists the variables and constants (not functions) that occur in the text, in order, without repetition; with units
 /// behind "*" or "/", which may be meant as constants.

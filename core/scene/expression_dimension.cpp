@@ -57,11 +57,11 @@ class DimensionParser {
   Found either() { return truths("||", &DimensionParser::both); }
   Found both() { return truths("&&", &DimensionParser::comparison); }
 
-  Found truths(const char* sign, Found (DimensionParser::*part)()) {
-    Found left = (this->*part)();
+  Found truths(const char* sign, Found (DimensionParser::*operand)()) {
+    Found left = (this->*operand)();
     while (take(sign)) {
       require_truth(left, sign);
-      require_truth((this->*part)(), sign);
+      require_truth((this->*operand)(), sign);
       left = Dimension{};
     }
     return left;

@@ -76,9 +76,9 @@ void divide_cone(const Solid& solid, int surface, const Vec3& axis, double cosin
   std::vector<char> divided(solid.surfaces().size(), 0);
   divided[surface] = 1;
   for (const double side : {1.0, -1.0}) {
-    const double part = (side * cosine + s.sine * along) / s.cosine;  // of the unit normal across, along `across`
-    if (std::abs(part) > across.norm() * (1 - parallel)) continue;
-    const Vec3 normal = (across - part * s.sine / s.cosine * s.direction).normalized();
+    const double component = (side * cosine + s.sine * along) / s.cosine;  // of the unit normal across, along `across`
+    if (std::abs(component) > across.norm() * (1 - parallel)) continue;
+    const Vec3 normal = (across - component * s.sine / s.cosine * s.direction).normalized();
     add_once({normal, normal.dot(s.point)}, divided, dividers);
   }
 }

@@ -1,5 +1,5 @@
 /// Borders of declared faces as planes. A box ends at planes; the points of a sphere or a cylinder with normals within
-/// a cone end at planes as well, since the normal is linear in the position there. Boundary pieces cut at these belong
+/// a cone end at planes as well, since the normal is linear in the position there. Boundary facets cut at these belong
 /// to a face wholly or not at all.
 #pragma once
 

@@ -93,8 +93,8 @@ FaceTraction FaceMoments::with_bearing(const Vec3& force) const {
   if ((sum - sum.dot(direction) * direction).norm() > whole * sum.norm()) return traction;
   // Newton's iteration removes what the quadrature leaves across the force; the derivative jumps at points without
   // pressure only.
-  constexpr int most_steps = 20;
-  for (int step = 0; step < most_steps; ++step) {
+  constexpr int max_steps = 20;
+  for (int step = 0; step < max_steps; ++step) {
     const auto [now, derivative] = pressed(traction.bearing);
     const Vec3 missing = rest(force - now);
     if (missing.norm() <= exact * force.norm()) break;

@@ -12,8 +12,8 @@ namespace cgcontact {
 
 namespace {
 
-const double least_flat_cosine = std::cos(radians_per_degree);  // a degree
-const double least_outward_cosine = std::cos(pi / 6);
+const double min_flat_cosine = std::cos(radians_per_degree);  // a degree
+const double min_outward_cosine = std::cos(pi / 6);
 constexpr double plane_slack = 1e-6;  // of the height: single precision in the file
 constexpr double end_share = 0.02, face_share = 0.1;
 
@@ -57,8 +57,8 @@ PartEnd find_end(const TriangleSurface& surface, double sign, double extreme, do
     const auto upper = clip(surface, t, sign, extreme - end_share * height);
     if (!upper.empty() && cosine > 0) cap.add(upper);
     const auto touching = clip(surface, t, sign, extreme - plane_slack * height);
-    if (!touching.empty() && cosine > least_flat_cosine) plane.add(touching);
-    if (cosine > least_outward_cosine) outward += area(clip(surface, t, sign, extreme - face_share * height));
+    if (!touching.empty() && cosine > min_flat_cosine) plane.add(touching);
+    if (cosine > min_outward_cosine) outward += area(clip(surface, t, sign, extreme - face_share * height));
   }
   PartEnd end;
   end.flat = plane.area > cap.area / 2;
@@ -69,9 +69,9 @@ PartEnd find_end(const TriangleSurface& surface, double sign, double extreme, do
   return end;
 }
 
-std::vector<SmoothPart> find_parts(const TriangleSurface& surface) {
-  std::vector<SmoothPart> parts(surface.face_names().size());
-  std::vector<double> largest(parts.size(), -1);
+std::vector<SmoothRegion> find_regions(const TriangleSurface& surface) {
+  std::vector<SmoothRegion> regions(surface.face_names().size());
+  std::vector<double> largest(regions.size(), -1);
   const auto area_vector = [&](int t) {
     const Vec3& a = surface.corner(t, 0);
     return Vec3((surface.corner(t, 1) - a).cross(surface.corner(t, 2) - a) / 2);
@@ -80,26 +80,26 @@ std::vector<SmoothPart> find_parts(const TriangleSurface& surface) {
   for (int t = 0; t < count; ++t) {
     const int p = surface.patch(t);
     const Vec3 a = area_vector(t);
-    parts[p].area += a.norm();
-    parts[p].normal += a;
+    regions[p].area += a.norm();
+    regions[p].normal += a;
     if (a.norm() <= largest[p]) continue;
     largest[p] = a.norm();
-    parts[p].seed = (surface.corner(t, 0) + surface.corner(t, 1) + surface.corner(t, 2)) / 3;
+    regions[p].seed = (surface.corner(t, 0) + surface.corner(t, 1) + surface.corner(t, 2)) / 3;
   }
-  for (SmoothPart& part : parts) {
-    part.flat = part.normal.norm() > 1e-6 * part.area;
-    if (part.flat)
-      part.normal.normalize();
+  for (SmoothRegion& region : regions) {
+    region.flat = region.normal.norm() > 1e-6 * region.area;
+    if (region.flat)
+      region.normal.normalize();
     else
-      part.normal.setZero();
+      region.normal.setZero();
   }
   for (int t = 0; t < count; ++t) {
-    SmoothPart& part = parts[surface.patch(t)];
-    part.flat = part.flat && surface.normal(t).dot(part.normal) >= least_flat_cosine;
+    SmoothRegion& region = regions[surface.patch(t)];
+    region.flat = region.flat && surface.normal(t).dot(region.normal) >= min_flat_cosine;
   }
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const SmoothPart& a, const SmoothPart& b) { return a.area > b.area; });
-  return parts;
+  std::stable_sort(regions.begin(), regions.end(),
+                   [](const SmoothRegion& a, const SmoothRegion& b) { return a.area > b.area; });
+  return regions;
 }
 
 double enclosed_volume(const TriangleSurface& surface) {
@@ -167,12 +167,13 @@ PartOutline outline_surface(const TriangleSurface& surface, const std::string& n
   outline.volume = enclosed_volume(surface);
   outline.note = note;
   outline.doubt = doubtful_unit(surface.tree().max() - surface.tree().min());
-  outline.parts = find_parts(surface);
-  for (const SmoothPart& part : outline.parts) outline.area += part.area;
+  outline.regions = find_regions(surface);
+  for (const SmoothRegion& region : outline.regions) outline.area += region.area;
   find_ends(surface, outline);
-  const auto flat = std::find_if(outline.parts.begin(), outline.parts.end(),
-                                 [&](const SmoothPart& part) { return part.flat && part.area > 0.05 * outline.area; });
-  if (outline.top.faces_outwards || flat == outline.parts.end()) return outline;
+  const auto flat = std::find_if(outline.regions.begin(), outline.regions.end(), [&](const SmoothRegion& region) {
+    return region.flat && region.area > 0.05 * outline.area;
+  });
+  if (outline.top.faces_outwards || flat == outline.regions.end()) return outline;
   PartOutline turned = outline;
   turned.turn = rotation_between(flat->normal, Vec3::UnitZ());
   find_ends(surface.transformed(turned.turn, Vec3::Zero(), 1), turned);

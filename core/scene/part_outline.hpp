@@ -13,7 +13,7 @@
 namespace cgcontact {
 
 /// Triangles that creases of 30 degrees divide from the others.
-struct SmoothPart {
+struct SmoothRegion {
   double area = 0;             ///< m^2
   Vec3 normal = Vec3::Zero();  ///< mean outward normal, zero where the region is closed in itself
   Vec3 seed = Vec3::Zero();    ///< m, centre of its largest triangle
@@ -42,9 +42,9 @@ struct PartOutline {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
   double volume = 0;                            ///< m^3
   PartEnd top, bottom;
-  std::vector<SmoothPart> parts;  ///< largest first, positions and normals as in the file
-  Mat3 turn = Mat3::Identity();   ///< min, max, top and bottom are those of the part turned so about the origin
-  double area = 0;                ///< m^2
+  std::vector<SmoothRegion> regions;  ///< largest first, positions and normals as in the file
+  Mat3 turn = Mat3::Identity();       ///< min, max, top and bottom are those of the part turned so about the origin
+  double area = 0;                    ///< m^2
   /// Cuts the part by the horizontal plane after it has come down by `push` (m).
   PartCut cut_at(double push) const;
   /// Returns the distance to come down until the cut is far enough, m; at most `most`.

@@ -24,38 +24,38 @@ namespace cgcontact {
 
 namespace {
 
-/// A scene is text that somebody writes; toml++ calls itself for every part of a key and every level of a value.
-constexpr std::uintmax_t largest_file = 16 << 20;
-constexpr int most_key_parts = 20;
+/// A scene is text that somebody writes; toml++ calls itself for every name in a key and every level of a value.
+constexpr std::uintmax_t max_file_bytes = 16 << 20;
+constexpr int max_key_depth = 20;
 
 /// Throws for a geometry file that a scene can name, with what makes a scene of it.
 void expect_no_part(const std::string& file) {
   const CadFormat format = cad_format(file);
   const bool is_cad = format != CadFormat::unknown;
   if (!is_cad && !is_triangle_file(file) && !is_deck(file)) return;
-  throw InputError(SourcePlace{file, 0, ""}, "", "is a part and not a scene",
+  throw InputError(SourceLocation{file, 0, ""}, "", "is a part and not a scene",
                    "cgcontact init " + shell_word(file) + (is_cad && format != CadFormat::brep ? "" : " --unit mm") +
                        " makes a scene of it");
 }
 
 std::string read_file(const std::string& file) {
   expect_no_part(file);
-  const SourcePlace place{file, 0, ""};
+  const SourceLocation location{file, 0, ""};
   std::error_code error;
   if (file.find('\0') != std::string::npos)
     throw InputError(printable(file) + ": there is no such scene file: no file has a name with a zero byte");
   if (!std::filesystem::exists(file, error))
-    throw InputError(place, "",
+    throw InputError(location, "",
                      error ? "the scene file cannot be read: " + error.message() : "there is no such scene file");
   if (!std::filesystem::is_regular_file(file, error))
-    throw InputError(place, "", "is not a file but a folder or device");
-  if (std::filesystem::file_size(file, error) > largest_file)
-    throw InputError(place, "", "is too large for a scene", "16 MB");
+    throw InputError(location, "", "is not a file but a folder or device");
+  if (std::filesystem::file_size(file, error) > max_file_bytes)
+    throw InputError(location, "", "is too large for a scene", "16 MB");
   std::ifstream stream(file, std::ios::binary);
-  std::string text(largest_file + 1, '\0');
+  std::string text(max_file_bytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad())
-    throw InputError(place, "", std::string("the scene file cannot be read: ") + std::strerror(errno));
+    throw InputError(location, "", std::string("the scene file cannot be read: ") + std::strerror(errno));
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
 }
@@ -76,12 +76,12 @@ std::size_t end_of_comment_or_string(std::string_view text, std::size_t begin) {
   return text.size();
 }
 
-/// Throws for what toml++ does not survive, or does not explain: keys of very many parts, texts that are not UTF-8.
+/// Throws for what toml++ does not survive, or does not explain: keys of very many names, texts that are not UTF-8.
 void check_text(std::string_view text, const std::string& file) {
   const std::string_view mark = text.substr(0, 2);
   if (mark == "\xff\xfe" || mark == "\xfe\xff")
-    throw InputError(SourcePlace{file, 1, ""}, "", "the text is UTF-16", "a file saved as UTF-8");
-  int parts = 1;
+    throw InputError(SourceLocation{file, 1, ""}, "", "the text is UTF-16", "a file saved as UTF-8");
+  int depth = 1;
   for (std::size_t k = 0; k < text.size(); ++k) {
     const std::size_t end = end_of_comment_or_string(text, k);
     if (end > k) {
@@ -89,11 +89,11 @@ void check_text(std::string_view text, const std::string& file) {
       continue;
     }
     const bool in_key = std::isalnum(static_cast<unsigned char>(text[k])) || std::strchr("_- \t.", text[k]);
-    if (!in_key || text[k] == '\0') parts = 1;
-    if (text[k] != '.' || ++parts <= most_key_parts) continue;
+    if (!in_key || text[k] == '\0') depth = 1;
+    if (text[k] != '.' || ++depth <= max_key_depth) continue;
     const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(k), '\n'));
-    throw InputError(SourcePlace{file, line + 1, ""}, "", "a key of too many parts",
-                     "at most " + std::to_string(most_key_parts) + " parts with dots between them");
+    throw InputError(SourceLocation{file, line + 1, ""}, "", "a key of too many parts",
+                     "at most " + std::to_string(max_key_depth) + " parts with dots between them");
   }
 }
 
@@ -110,9 +110,10 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
   try {
     return toml::parse(std::string_view(text), std::string_view(file));
   } catch (const toml::parse_error& error) {
-    const SourcePlace place{file, static_cast<int>(error.source().begin.line), ""};
-    throw InputError(place, "",
-                     "not valid TOML: " + std::string(error.description()) + hint_of_line(line_of(text, place.line)));
+    const SourceLocation location{file, static_cast<int>(error.source().begin.line), ""};
+    throw InputError(
+        location, "",
+        "not valid TOML: " + std::string(error.description()) + hint_of_line(line_of(text, location.line)));
   }
 }
 
@@ -133,7 +134,7 @@ void keep_reference(const TomlCursor& root, const std::shared_ptr<const toml::ta
   if (!section || !uses_contact_force(*section)) return;
   std::vector<std::string> names;
   for (const BodySpec& body : scene.bodies) names.push_back(body.name);
-  scene.late_reference = [section = *section, names, document, text](double contact_force) {
+  scene.reference_of_force = [section = *section, names, document, text](double contact_force) {
     return read_reference(section, names, contact_force);
   };
 }

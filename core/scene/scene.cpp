@@ -52,7 +52,7 @@ const char* name_of(Held component) {
 }
 
 ReferenceSpec Scene::reference_at(double contact_force) const {
-  return late_reference && contact_force > 0 ? late_reference(contact_force) : reference;
+  return reference_of_force && contact_force > 0 ? reference_of_force(contact_force) : reference;
 }
 
 }  // namespace cgcontact

@@ -59,24 +59,24 @@ struct Inertia {
   }
 };
 
-/// A named part of a body's boundary: the points that match every selector given.
+/// A named region of a body's boundary: the points that match every selector given.
 struct FaceSpec {
   std::string name;
   std::vector<std::string> surfaces;                   ///< primitive faces, "primitive.face"; empty: any
   std::optional<std::pair<Vec3, Vec3>> box;            ///< points in [min, max], m
   std::optional<std::pair<Vec3, double>> normal_cone;  ///< unit axis, cosine of the half angle
-  SourcePlace place;
+  SourceLocation location;
 
   /// Does a boundary point lie on the face? `names`: names of the elementary surface; x in m and n in global axes.
   bool contains(const std::vector<std::string>& names, const Vec3& x, const Vec3& n) const {
     return selects(names) && contains(x, n);
   }
-  /// Its two parts: the elementary surface; box and normal cone.
+  /// Its two tests: the elementary surface; box and normal cone.
   bool selects(const std::vector<std::string>& names) const;
   bool contains(const Vec3& x, const Vec3& n) const;
 };
 
-/// Where a body's cells are to be smaller: no larger than `size` up to `distance` from a place, growing by `grading`
+/// Where a body's cells are to be smaller: no larger than `size` up to `distance` from a region, growing by `grading`
 /// times the distance from there.
 struct RefineSpec {
   enum class Kind { box, sphere, ring, face };
@@ -90,7 +90,7 @@ struct RefineSpec {
   double size = 0;                              ///< m
   double distance = 0;                          ///< m
   double grading = 0.5;
-  SourcePlace place;
+  SourceLocation location;
 };
 
 struct BodySpec {
@@ -99,10 +99,10 @@ struct BodySpec {
   Material material;
   double cell_size = 0;  ///< m; of the largest cells. 0: chosen from the shape, with [accuracy] only
   std::vector<RefineSpec> refine;
-  std::vector<std::shared_ptr<const SizeField>> sizes;          ///< as `refine`, from an earlier solution ([accuracy])
-  double most_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
-  std::optional<Coordinate> plane_strain;                       ///< nothing varies and nothing moves along this axis
-  SourcePlace plane_strain_place;
+  std::vector<std::shared_ptr<const SizeField>> sizes;         ///< as `refine`, from an earlier solution ([accuracy])
+  double max_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
+  std::optional<Coordinate> plane_strain;                      ///< nothing varies and nothing moves along this axis
+  SourceLocation plane_strain_location;
   /// Largest radius in a scene of bodies of revolution (plane_strain is the axis across their half-plane), m; or 0
   double unit_radius = 0;
   bool quadtree = false;  ///< in plane strain with cells of several sizes: one layer of them on every level
@@ -117,14 +117,14 @@ struct BodySpec {
   std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;     ///< the same for what the user should look at
   std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, of its mesh files
-  SourcePlace place;
+  SourceLocation location;
 
   /// Six unknowns instead of elasticity.
   bool rigid() const { return material.is_rigid(); }
   bool axisymmetric() const { return unit_radius > 0; }
   /// Coordinate along the axis of revolution.
   int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
-  /// Is x (m) inside or on the boundary, within rounding?
+  /// Returns whether x (m) is inside or on the boundary, within rounding.
   bool holds(const Vec3& x) const;
 };
 
@@ -132,7 +132,7 @@ struct BodySpec {
 struct FaceRef {
   int body = -1;
   FaceSpec face;
-  SourcePlace place;
+  SourceLocation location;
 };
 
 /// Components of a displacement, as supports hold them.
@@ -158,7 +158,7 @@ struct SupportSpec {
   bool holds_normal() const { return symmetry || normal_displacement; }
   bool is_cylindrical() const { return cylindrical[0] || cylindrical[1] || cylindrical[2]; }
   bool is_elastic() const { return springs != std::array<double, 4>{0, 0, 0, 0}; }
-  SourcePlace place;
+  SourceLocation location;
 };
 
 struct LoadSpec {
@@ -170,7 +170,7 @@ struct LoadSpec {
   std::optional<Vec3> at;              ///< m, where the force acts; none: at the centroid of the face
   bool bearing = false;                ///< the force is that of a pressure on the half of a cylinder that faces it
   std::vector<double> steps;           ///< factors of the load, one for each step; empty: 1
-  SourcePlace place;
+  SourceLocation location;
 
   bool has_resultants() const { return !force.isZero(0) || !moment.isZero(0); }
   /// What is given per area and what gives the face its force and moment besides (`resulting`), Pa; n: outward normal.
@@ -200,7 +200,7 @@ struct ContactSpec {
   /// m, points farther apart than this do not belong to the pair; 0: twice the larger cell
   double search_distance = 0;
   std::optional<MomentSpec> moment_about;
-  SourcePlace place;
+  SourceLocation location;
 };
 
 /// Where displacement and recovered stress are wanted.
@@ -214,7 +214,7 @@ struct ProbeSpec {
   int body = -1;                    ///< index; -1: all bodies that hold a point
   std::vector<ScalarField> fields;  ///< without repetition
   std::vector<int> outside;         ///< points that no body holds
-  SourcePlace place;
+  SourceLocation location;
 };
 
 /// A plane along which the bodies are cut for a picture.
@@ -223,7 +223,7 @@ struct SectionSpec {
   Vec3 point = Vec3::Zero();    ///< m
   Vec3 normal = Vec3::UnitX();  ///< of length 1, towards the viewer
   ScalarField field = ScalarField::von_mises;
-  SourcePlace place;
+  SourceLocation location;
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.
@@ -238,20 +238,26 @@ struct ReferenceSpec {
   /// Exact stress of each body as expressions (xx, yy, zz, xy, yz, zx), for effectivity; empty: unknown
   std::vector<std::array<Expression, 6>> stress_of_body;
   std::vector<std::pair<std::string, Expression>> zones;  ///< name, expression that is non-zero inside the zone
-  SourcePlace place;
+  SourceLocation location;
 };
 
-/// What loads the bodies in one step, as parts of what the scene says.
+/// What loads the bodies in one step, as fractions of what the scene says.
 struct StepSpec {
   std::size_t number = 0;
   double loads = 1;          ///< tractions, pressures, forces, body forces, temperatures
   double displacements = 1;  ///< prescribed at supports
   double interference = 1;   ///< of all contacts; overlap of the geometry is always there
+  double fraction = 1;       ///< of the way from the step before, for own factors; its end unless a step is divided
 
   /// What there is in this step of a load, and of what a support prescribes.
-  double of(const LoadSpec& load) const { return loads * (load.steps.empty() ? 1 : load.steps.at(number)); }
-  double of(const SupportSpec& support) const {
-    return displacements * (support.steps.empty() ? 1 : support.steps.at(number));
+  double of(const LoadSpec& load) const { return loads * own(load.steps); }
+  double of(const SupportSpec& support) const { return displacements * own(support.steps); }
+
+ private:
+  double own(const std::vector<double>& factors) const {
+    if (factors.empty()) return 1;
+    const double before = number > 0 ? factors.at(number - 1) : 0;
+    return before + fraction * (factors.at(number) - before);
   }
 };
 
@@ -275,7 +281,7 @@ struct Scene {
   OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it
-  std::function<ReferenceSpec(double)> late_reference;
+  std::function<ReferenceSpec(double)> reference_of_force;
   Constants parameters;  ///< values of [parameters], after --set
 
   /// The reference at the computed contact force, N; a force of zero is as good as none.

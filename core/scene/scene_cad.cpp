@@ -21,7 +21,7 @@ namespace {
 
 constexpr double mm = 1e-3;
 constexpr double first_cells = 20;  // along the longest side, of a body without cell_size
-constexpr double most_cells_across =
+constexpr double max_cells_across =
     2000;  // smaller cells, relative to the body, are a mistake that is reported elsewhere
 constexpr double radius_tolerance = 1e-4;
 constexpr int colour_tolerance = 2;  // of 255: what rounding in the file makes of it
@@ -201,12 +201,12 @@ class FaceSelector {
 };
 
 /// The solid with the names of its faces: "faceN", that of the file, those declared; the list of all in `known`.
-CadModel name_cad_faces(const TomlCursor& node, const std::string& part, const CadModel& model, double scale,
+CadModel name_cad_faces(const TomlCursor& node, const std::string& primitive, const CadModel& model, double scale,
                         std::vector<std::string>& known) {
   std::vector<std::vector<std::string>> names(model.faces().size());
   std::set<std::string> seen;
   const auto add = [&](std::size_t face, const std::string& name) {
-    names[face].insert(names[face].begin(), part + "." + name);  // what it is called most specially comes first
+    names[face].insert(names[face].begin(), primitive + "." + name);  // what it is called most specially comes first
     if (seen.insert(name).second) known.push_back(name);
   };
   for (std::size_t f = 0; f < names.size(); ++f) add(f, fmt::format("face{}", f + 1));
@@ -247,7 +247,7 @@ bool is_scene_name(const std::string& name) {
 
 double cell_size_for_cad(const TomlCursor& body, double longest) {
   if (!body.find("cell_size")) return longest / first_cells;
-  return std::clamp(read_cell_size(body), longest / most_cells_across, longest);
+  return std::clamp(read_cell_size(body), longest / max_cells_across, longest);
 }
 
 CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const TomlCursor& body) {

@@ -9,17 +9,17 @@ namespace {
 
 const char* const copies_key = "copies";
 const std::string mark = "{i}";
-constexpr int most_copies = 1000;
+constexpr int max_copies = 1000;
 
 int number_of_copies(const TomlCursor& copies) {
-  const Range range = Range::integers(1, most_copies);
+  const Range range = Range::integers(1, max_copies);
   const double number = copies.number(range);
   if (number != std::round(number)) copies.fail("is not a whole number", range.text);
   return static_cast<int>(number);
 }
 
 /// The largest number of copies below; checks all of them.
-int largest_number(const TomlCursor& node, bool in_array, bool copied) {
+int max_number(const TomlCursor& node, bool in_array, bool copied) {
   int largest = 0;
   const auto copies = in_array ? node.find(copies_key) : std::nullopt;
   if (copies && copied) copies->fail("copies cannot be nested", "copies on one of the two levels");
@@ -27,8 +27,8 @@ int largest_number(const TomlCursor& node, bool in_array, bool copied) {
   copied |= copies.has_value();
   if (node.is_array())
     for (const TomlCursor& child : node.elements("values"))
-      largest = std::max(largest, largest_number(child, true, copied));
-  for (const auto& [key, child] : node.entries()) largest = std::max(largest, largest_number(child, false, copied));
+      largest = std::max(largest, max_number(child, true, copied));
+  for (const auto& [key, child] : node.entries()) largest = std::max(largest, max_number(child, false, copied));
   return largest;
 }
 
@@ -79,7 +79,7 @@ void make_copies(const std::vector<toml::node*>& nodes, const SceneText& text) {
 }  // namespace
 
 void make_copies(toml::table& document, const SceneText& text, const std::function<toml::table()>& again) {
-  const int largest = largest_number(TomlCursor(document, "", text), false, false);
+  const int largest = max_number(TomlCursor(document, "", text), false, false);
   if (largest == 0) return;
   std::vector<toml::table> doubles;
   for (int k = 1; k < largest; ++k) doubles.push_back(again());

@@ -1,5 +1,5 @@
-/// Elements of arrays with `copies = n` (bodies, contacts, regions of refine, parts of a union, ...) become n elements,
-/// in whose texts {i} is the number of the copy.
+/// Elements of arrays with `copies = n` (bodies, contacts, regions of refine, operands of a union, ...) become n
+/// elements, in whose texts {i} is the number of the copy.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-/// Reads the materials of a scene: the `material` of a [[body]], in place or by its name, and [[material]] sections.
+/// Reads the materials of a scene: the `material` of a [[body]], inline or by its name, and [[material]] sections.
 #pragma once
 
 #include <optional>

@@ -17,10 +17,10 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t most_patches = 20000;
+constexpr std::size_t max_patches = 20000;
 
 /// m; a surface outside of this range was probably read in a wrong unit.
-constexpr double largest_usual = 100, smallest_usual = 1e-5;
+constexpr double max_usual = 100, min_usual = 1e-5;
 
 Range angle_range() {
   Range angle = Range::positive("degrees");
@@ -52,10 +52,10 @@ TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup&
     growth.seed = seed->vector("m");
   } else {
     const int wanted = triangle->integer(1, 2000000000);
-    const auto place =
+    const auto found =
         soup.number.empty() ? soup.number.end() : std::find(soup.number.begin(), soup.number.end(), wanted);
     const std::size_t index = soup.number.empty() ? static_cast<std::size_t>(wanted) - 1
-                                                  : static_cast<std::size_t>(place - soup.number.begin());
+                                                  : static_cast<std::size_t>(found - soup.number.begin());
     if (index >= soup.triangles.size())
       triangle->fail("there is no such triangle on the surface", fmt::format("1 to {}", soup.triangles.size()));
     const Triangle& t = soup.triangles[index];
@@ -82,7 +82,7 @@ std::string read_group(const TomlCursor& node, const TriangleSoup& soup) {
 TriangleSelector read_selector(const TomlCursor& node, const TriangleSoup& soup) {
   node.expect_keys({"name", "group", "normal", "box", "plane", "smooth"});
   TriangleSelector selector;
-  selector.place = node.place();
+  selector.location = node.location();
   selector.name = read_name(node.at("name", "a name"));
   if (const auto normal = node.find("normal")) {
     normal->expect_keys({"axis", "angle"});
@@ -156,7 +156,7 @@ BodySurface read_body_surface(const std::string& file, double scale, bool repair
   surface.repair =
       std::make_shared<const RepairedSurface>(RepairedSurface{file, done.text(), surface.soup, done.is_new});
   try {
-    surface.repairs = check_parted(surface.soup, file);
+    surface.repairs = check_separated(surface.soup, file);
   } catch (const InputError& error) {
     throw InputError(std::string(error.what()) + "; that is what repair = true has left (" + done.text() + ")");
   }
@@ -175,7 +175,7 @@ std::string describe_surface(const std::string& file, const BodySurface& surface
 
 std::string doubtful_unit(const Vec3& extent) {
   const double longest = extent.maxCoeff();
-  if (longest <= largest_usual && longest >= smallest_usual) return "";
+  if (longest <= max_usual && longest >= min_usual) return "";
   return fmt::format("the surface is {:.3g} m long: is its unit right?", longest);
 }
 
@@ -193,10 +193,10 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   const TriangleSoup& soup = read.soup;
   const NamedTriangles faces = name_faces(soup, name, read_selectors(node, soup));
   TriangleSurface surface = make_surface(soup, faces, crease_angle);
-  if (surface.face_names().size() > most_patches)
+  if (surface.face_names().size() > max_patches)
     file_node.fail(
         fmt::format("creases divide the surface into {} patches: is it a rough scan?", surface.face_names().size()),
-        fmt::format("{} patches; a larger angle for the key crease makes fewer", most_patches));
+        fmt::format("{} patches; a larger angle for the key crease makes fewer", max_patches));
   MeshShape shape;
   shape.solid = Solid::bounded_by(std::move(surface));
   for (const std::string& face : faces.names) shape.faces.push_back(face.substr(name.size() + 1));

@@ -14,7 +14,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t most_steps = 20;
+constexpr std::size_t max_steps = 20;
 
 /// One --set option.
 struct Override {
@@ -23,7 +23,7 @@ struct Override {
   std::string value;               ///< TOML or bare text
 
   [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& allowed) const {
-    throw InputError(SourcePlace{source, 0, key}, "", problem, allowed);
+    throw InputError(SourceLocation{source, 0, key}, "", problem, allowed);
   }
 };
 
@@ -62,7 +62,7 @@ Override parse_override(const std::string& text) {
     if (result.steps.back().empty()) result.fail("", "the key has an empty part", "dotted.key=value");
     begin = end + 1;
   }
-  if (result.steps.size() > most_steps) result.fail("", "the key has too many parts", "keys of a scene");
+  if (result.steps.size() > max_steps) result.fail("", "the key has too many parts", "keys of a scene");
   return result;
 }
 
@@ -84,7 +84,7 @@ toml::table parse_value(const std::string& value, const std::string& source) {
   try {
     return toml::parse(std::string_view("value = \"" + escaped + "\""), path);
   } catch (const toml::parse_error& error) {
-    throw InputError(SourcePlace{source, 0, ""}, "", std::string(error.description()));
+    throw InputError(SourceLocation{source, 0, ""}, "", std::string(error.description()));
   }
 }
 

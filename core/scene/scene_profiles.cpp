@@ -15,9 +15,9 @@ namespace {
 
 constexpr double right_angle = 1e-9;  // cosine of the angle between the plane's x axis and its normal
 constexpr double on_axis = 1e-12;     // relative to the profile: an edge there has no face
-constexpr double arc_on_axis = 1e-9;  // relative to the profile: the centre of an arc that is part of a sphere
+constexpr double arc_on_axis = 1e-9;  // relative to the profile: the centre of an arc that belongs to a sphere
 constexpr double mm = 1e-3;           // m, the unit of CAD models
-constexpr std::size_t most_edges = 200;
+constexpr std::size_t max_edges = 200;
 const char* const profile_help = "[[a, b], [a, b], {to = [a, b], through = [a, b], name = ..}, ...], m";
 
 Vec2 read_point(const TomlCursor& node) {
@@ -48,8 +48,8 @@ ProfileEdge read_edge(const TomlCursor& node, const Vec2& from, std::size_t numb
 /// From the first point through all others and, by a line, back to the first one unless the last one is there.
 std::vector<ProfileEdge> read_edges(const TomlCursor& node) {
   const std::vector<TomlCursor> points = node.elements(profile_help);
-  if (points.size() < 3 || points.size() > most_edges)
-    node.fail(fmt::format("has {} points", points.size()), fmt::format("3 to {}: {}", most_edges, profile_help));
+  if (points.size() < 3 || points.size() > max_edges)
+    node.fail(fmt::format("has {} points", points.size()), fmt::format("3 to {}: {}", max_edges, profile_help));
   if (points[0].is_table()) points[0].fail("is the first point, no edge ends there", "[a, b], m");
   const Vec2 start = read_point(points[0]);
   std::vector<ProfileEdge> edges;

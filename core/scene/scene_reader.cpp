@@ -15,9 +15,9 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double most_cells = 2e9;      // of the box around a body: beyond, the unit is wrong
+constexpr double max_cells = 2e9;       // of the box around a body: beyond, the unit is wrong
 constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
-constexpr std::size_t most_parameters = 1000;
+constexpr std::size_t max_parameters = 1000;
 constexpr double same_axis = 1e-12;  // rounding of a rotation
 constexpr double end_cone = 45;      // degrees; the normals of a body in plane strain lie along the axis or across it
 
@@ -62,8 +62,8 @@ double read_cell_size(const TomlCursor& body, const Shape& shape) {
     node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
                           extent.maxCoeff()));
   const std::string lengths = fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent[0], extent[1], extent[2]);
-  if ((extent / size + Vec3::Ones()).prod() > most_cells) {
-    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(most_cells);
+  if ((extent / size + Vec3::Ones()).prod() > max_cells) {
+    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(max_cells);
     node.fail("makes more than 2e9 cells of a body of " + lengths, fmt::format("about {:.2g} m or more", least));
   }
   if (size > extent.maxCoeff())
@@ -136,7 +136,7 @@ std::array<std::optional<Expression>, 3> read_rotation(const TomlCursor& node) {
     std::string text = "0";
     if (spin[j] != 0) text += fmt::format(" + ({:.17g})*({} - ({:.17g}))", spin[j], names[k], c[k]);
     if (spin[k] != 0) text += fmt::format(" - ({:.17g})*({} - ({:.17g}))", spin[k], names[j], c[j]);
-    displacement[i] = text == "0" ? Expression(0.0) : Expression(text, node.place());
+    displacement[i] = text == "0" ? Expression(0.0) : Expression(text, node.location());
   }
   return displacement;
 }
@@ -171,8 +171,8 @@ std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::str
 
 Constants read_parameters(const TomlCursor& table, const Constants& in_file) {
   if (!table.is_table()) table.expect_keys({"name = number"});
-  if (table.entries().size() > most_parameters)
-    table.fail("has too many parameters", fmt::format("at most {}", most_parameters));
+  if (table.entries().size() > max_parameters)
+    table.fail("has too many parameters", fmt::format("at most {}", max_parameters));
   Constants known = table.text().parameters;
   std::set<std::string> in_progress;
   for (const auto& entry : table.entries()) read_parameter(table, entry.first, in_file, known, in_progress);
@@ -182,7 +182,7 @@ Constants read_parameters(const TomlCursor& table, const Constants& in_file) {
 FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) const {
   node.expect_keys({"name", "surfaces", "box", "normal"});
   FaceSpec face;
-  face.place = node.place();
+  face.location = node.location();
   const TomlCursor name_node = node.at("name", "a name");
   face.name = read_name(name_node);
   if (!shape.resolve(face.name).empty())
@@ -220,7 +220,7 @@ FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) cons
 namespace {
 
 /// Halvings of the cell size, at most.
-constexpr int most_halvings = 20;
+constexpr int max_halvings = 20;
 
 void read_refined_box(const TomlCursor& node, RefineSpec& refine) {
   node.expect_keys({"min", "max"});
@@ -255,7 +255,7 @@ FaceSpec face_of_body(const TomlCursor& node, const BodySpec& body, const Shape&
   }
   FaceSpec face;
   face.name = name;
-  face.place = node.place();
+  face.location = node.location();
   face.surfaces = shape.resolve(name);
   for (const std::string& own : shape.face_names()) known.push_back(own);
   if (face.surfaces.empty()) node.fail("is no face of this body" + did_you_mean(name, known), join(known));
@@ -289,7 +289,7 @@ bool has_plain_length(const TomlCursor& node) {
 RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const {
   node.expect_keys({"box", "sphere", "ring", "face", "size", "distance", "grading"});
   RefineSpec refine;
-  refine.place = node.place();
+  refine.location = node.location();
   const auto box = node.find("box"), sphere = node.find("sphere"), ring = node.find("ring"), face = node.find("face");
   if (int(box.has_value()) + int(sphere.has_value()) + int(ring.has_value()) + int(face.has_value()) != 1)
     node.fail("says no place, or more than one", "one of box, sphere, ring, face");
@@ -303,9 +303,9 @@ RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body
   const TomlCursor size = node.at("size", "> 0 m");
   refine.size = size.number(Range::positive("m"));
   if (body.cell_size == 0) node.fail("stands without cell_size", "cell_size, the size of the largest cells, beside it");
-  if (refine.size < std::ldexp(body.cell_size, -most_halvings))
-    size.fail(fmt::format("is less than cell_size halved {} times", most_halvings),
-              fmt::format(">= {:.3g} m", std::ldexp(body.cell_size, -most_halvings)));
+  if (refine.size < std::ldexp(body.cell_size, -max_halvings))
+    size.fail(fmt::format("is less than cell_size halved {} times", max_halvings),
+              fmt::format(">= {:.3g} m", std::ldexp(body.cell_size, -max_halvings)));
   if (const auto distance = node.find("distance")) refine.distance = distance->number(Range::not_negative("m"));
   if (const auto grading = node.find("grading")) {
     refine.grading = grading->number(Range::from_to(0.05, 1, "0.05 to 1"));
@@ -326,7 +326,7 @@ void SceneReader::read_faces_of_body(const TomlCursor& node, BodySpec& body, con
 void SceneReader::read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials) {
   Shape& shape = shapes_.back();
   BodySpec& body = scene_.bodies.back();
-  body.place = node.place();
+  body.location = node.location();
   unread_.back().shape = !attempt([&] { shape = read_shape(node); });
   body.solid = shape.solid;
   body.notes = shape.notes;
@@ -371,7 +371,7 @@ namespace {
 void set_plane_strain(const TomlCursor& node, BodySpec& body) {
   const int axis = node.one_of(coordinate_names());
   body.plane_strain = static_cast<Coordinate>(axis);
-  body.plane_strain_place = node.place();
+  body.plane_strain_location = node.location();
   const std::string& name = coordinate_names()[axis];
   if (const Vec3 e = Vec3::Unit(axis); (body.grid_rotation * e - e).norm() > same_axis)
     node.fail(fmt::format("the grid of body \"{}\" is turned about another axis than {}", body.name, name),
@@ -415,7 +415,7 @@ void SceneReader::read_axisymmetric(const TomlCursor& root) {
       node->fail("the grid of body \"" + body.name + "\" is turned",
                  "no grid.rotation: the axis is a line of the grid");
     body.plane_strain = static_cast<Coordinate>((axis + 2) % 3);
-    body.plane_strain_place = node->place();
+    body.plane_strain_location = node->location();
     body.quadtree = true;
     try {
       body.solid = meridian_of(body.solid, axis);
@@ -438,7 +438,7 @@ void SceneReader::add_implied_supports() {
     if (body.axisymmetric()) {
       SupportSpec axis;
       axis.symmetry = axis.implied = true;
-      axis.place = axis.face.place = axis.face.face.place = body.plane_strain_place;
+      axis.location = axis.face.location = axis.face.face.location = body.plane_strain_location;
       axis.face.body = static_cast<int>(b);
       axis.face.face.name = "axis";
       axis.face.face.surfaces = {"axis.plane"};
@@ -448,7 +448,7 @@ void SceneReader::add_implied_supports() {
     for (const int side : {-1, 1}) {
       SupportSpec end;
       end.symmetry = end.implied = true;
-      end.place = end.face.place = end.face.face.place = body.plane_strain_place;
+      end.location = end.face.location = end.face.face.location = body.plane_strain_location;
       end.face.body = static_cast<int>(b);
       end.face.face.name = "plane_strain." + name_of(*body.plane_strain) + (side < 0 ? '-' : '+');
       end.face.face.normal_cone = std::make_pair(side * Vec3(Vec3::Unit(static_cast<int>(*body.plane_strain))),
@@ -495,7 +495,7 @@ void SceneReader::read_bodies(const TomlCursor& root) {
     list.fail("all bodies are rigid: there is nothing to compute", "at least one body without rigid = true");
 }
 
-/// Of an accuracy: elastic ones.
+/// Checks the keys of a table by body: only elastic bodies have a stress.
 void SceneReader::check_bodies_of_stress(const TomlCursor& node) const {
   node.expect_keys(body_names());
   for (const BodySpec& body : scene_.bodies)
@@ -532,7 +532,7 @@ FaceRef SceneReader::resolve_face(const TomlCursor& node, const std::string& ref
   const std::size_t dot = reference.find('.');
   const std::string name = reference.substr(0, dot);
   FaceRef result;
-  result.place = node.place();
+  result.location = node.location();
   result.body = body_index(name);
   if (result.body < 0 && std::any_of(unread_.begin(), unread_.end(), [](const Unread& body) { return body.name; }))
     throw FollowingMistake();
@@ -546,7 +546,7 @@ FaceRef SceneReader::resolve_face(const TomlCursor& node, const std::string& ref
     return result;
   }
   result.face.name = face;
-  result.face.place = result.place;
+  result.face.location = result.location;
   if (unread_[result.body].shape) throw FollowingMistake();
   result.face.surfaces = shapes_[result.body].resolve(face);
   if (!result.face.surfaces.empty()) return result;
@@ -594,7 +594,7 @@ void read_held(const TomlCursor& node, SupportSpec& support) {
 void SceneReader::read_support(const TomlCursor& node) {
   node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring", "steps"});
   SupportSpec support;
-  support.place = node.place();
+  support.location = node.location();
   const bool has_face = attempt([&] { support.face = resolve_face(node.at("face", "\"body.face\"")); });
   read_held(node, support);
   if (const auto steps = node.find("steps")) support.steps = read_own_steps(*steps, scene_.steps);
@@ -612,8 +612,8 @@ void SceneReader::read_supports(const TomlCursor& root) {
   const std::vector<TomlCursor> nodes = optional_elements(root, "support");
   for (const TomlCursor& node : nodes) attempt([&] { read_support(node); });
   if (nodes.empty()) {
-    SourcePlace place{scene_.file, 0, "support"};
-    throw InputError(place, "", "nothing holds the bodies: the scene has no support",
+    SourceLocation location{scene_.file, 0, "support"};
+    throw InputError(location, "", "nothing holds the bodies: the scene has no support",
                      "at least one [[support]] with symmetry = true or displacement = {...}");
   }
 }
@@ -621,7 +621,7 @@ void SceneReader::read_supports(const TomlCursor& root) {
 void SceneReader::read_load(const TomlCursor& node) {
   node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing", "steps"});
   LoadSpec load;
-  load.place = node.place();
+  load.location = node.location();
   const bool has_face = attempt([&] { load.face = resolve_face(node.at("face", "\"body.face\"")); });
   const auto pressure = node.find("pressure"), traction = node.find("traction");
   const auto force = node.find("force"), moment = node.find("moment"), at = node.find("at");
@@ -671,7 +671,7 @@ void SceneReader::read_inertia(const TomlCursor& root) {
       continue;
     }
     if (!body.material.density)
-      throw InputError(body.place, "\"" + body.name + "\"",
+      throw InputError(body.location, "\"" + body.name + "\"",
                        "its material has no density, which gravity and rotation act on",
                        "material = {.., density = 7850} in kg/m^3");
     body.inertia = {*body.material.density * acceleration, *body.material.density * speed * speed, centre, axis};
@@ -708,13 +708,13 @@ void read_bonded(const TomlCursor& node, ContactSpec& contact) {
 }
 
 /// Rubber on a rough floor has 1, clean metals in vacuum up to 2.
-constexpr double largest_friction = 2;
+constexpr double max_friction = 2;
 
 }  // namespace
 
 ContactSpec SceneReader::read_pair(const TomlCursor& node) const {
   ContactSpec contact;
-  contact.place = node.place();
+  contact.location = node.location();
   const TomlCursor list = node.at("faces", "[\"body.face\", \"body.face\"] of two bodies, or automatic = true");
   const std::vector<TomlCursor> faces = list.elements("[\"body.face\", \"body.face\"]");
   if (faces.size() != 2)
@@ -747,14 +747,14 @@ void SceneReader::add_automatic_contacts(const TomlCursor& node) {
     for (int a = 0; a < b; ++a) {
       if (joined.count({a, b}) > 0) continue;
       ContactSpec contact;
-      contact.place = node.place();
+      contact.location = node.location();
       contact.name = scene_.bodies[a].name + "-" + scene_.bodies[b].name;
       contact.automatic = true;
       contact.first.body = a;
       contact.second.body = b;
       contact.first.face.name = contact.second.face.name = "all";
-      contact.first.place = contact.second.place = contact.place;
-      contact.first.face.place = contact.second.face.place = contact.place;
+      contact.first.location = contact.second.location = contact.location;
+      contact.first.face.location = contact.second.face.location = contact.location;
       scene_.contacts.push_back(contact);
     }
   }
@@ -772,13 +772,13 @@ void SceneReader::choose_cells_of_rigid_bodies() {
       if (contact.second.body == b) partners.insert(contact.first.body);
     }
     if (partners.empty())
-      throw InputError(body.place, "\"" + body.name + "\"", "a rigid body without contact moves nothing",
+      throw InputError(body.location, "\"" + body.name + "\"", "a rigid body without contact moves nothing",
                        "a [[contact]] with an elastic body");
     RefineSpec surface;
     surface.kind = RefineSpec::Kind::face;
     surface.size = longest_side(scene_.bodies[b].solid);
     surface.grading = 1;
-    surface.place = body.place;
+    surface.location = body.location;
     for (const int partner : partners) {
       const BodySpec& other = scene_.bodies[partner];
       if (other.rigid()) continue;
@@ -835,7 +835,7 @@ void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& se
     check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
     read_bonded(node, contact);
     if (const auto value = node.find("friction"))
-      contact.friction = value->number(Range::from_to(0, largest_friction, "0 to 2"));
+      contact.friction = value->number(Range::from_to(0, max_friction, "0 to 2"));
     if (const auto value = node.find("interference")) {
       contact.interference = value->number(Range::any("m"));
       if (unread_[contact.first.body].shape || unread_[contact.second.body].shape) throw FollowingMistake();
@@ -868,12 +868,12 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 }
 
 /// Faces of targets of displacements; other names are those of probes.
-void SceneReader::find_places_of_targets(const TomlCursor& root) {
+void SceneReader::find_faces_of_targets(const TomlCursor& root) {
   const auto accuracy = root.find("accuracy");
   const auto node = accuracy ? accuracy->find("displacement") : std::nullopt;
   if (!node || !node->is_table()) return;
   for (const auto& [name, target] : node->entries()) {
-    const auto is_this = [&place = name](const ProbeSpec& probe) { return probe.name == place; };
+    const auto is_this = [&probe_name = name](const ProbeSpec& probe) { return probe.name == probe_name; };
     if (name == "largest" || std::any_of(scene_.probes.begin(), scene_.probes.end(), is_this)) continue;
     if (name.find('.') == std::string::npos)
       target.fail("there is no probe \"" + name + "\"", "\"body.face\", the name of a [[probe]], or largest");
@@ -881,7 +881,7 @@ void SceneReader::find_places_of_targets(const TomlCursor& root) {
   }
 }
 
-/// A preload is found in the first step and kept: parts of interferences would leave parts of it.
+/// A preload is found in the first step and kept: fractions of interferences would leave fractions of it.
 void SceneReader::check_preload_of_steps(const TomlCursor& node) const {
   const auto has_preload = [](const ContactSpec& contact) { return contact.preload.has_value(); };
   const auto is_partial = [](const StepSpec& step) { return step.interference != 1; };
@@ -939,7 +939,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   const bool has_contacts = mistakes_.size() == before;
   if (has_contacts) attempt([&] { choose_cells_of_rigid_bodies(); });
   if (has_bodies) attempt([&] { read_probes(root); });
-  if (has_bodies) attempt([&] { find_places_of_targets(root); });
+  if (has_bodies) attempt([&] { find_faces_of_targets(root); });
   if (has_bodies) attempt([&] { read_sections(root); });
   if (steps) attempt([&] { check_preload_of_steps(*steps); });
   if (scene_.accuracy.shear && has_contacts)

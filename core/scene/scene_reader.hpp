@@ -28,14 +28,14 @@ class SceneReader {
   Scene read(const TomlCursor& root);
 
  private:
-  /// A part that cannot be read because of a mistake that is known: no mistake of its own.
+  /// An entry that cannot be read because of a mistake that is known: no mistake of its own.
   struct FollowingMistake {};
 
-  /// False: the part has a mistake, or cannot be read because of another one.
-  template <typename Part>
-  bool attempt(const Part& part) {
+  /// False: the entry has a mistake, or cannot be read because of another one.
+  template <typename Task>
+  bool attempt(const Task& task) {
     try {
-      part();
+      task();
       return true;
     } catch (const FollowingMistake&) {
       return false;
@@ -75,12 +75,12 @@ class SceneReader {
   SectionSpec read_section(const TomlCursor& node) const;
   FaceRef resolve_face(const TomlCursor& node) const;
   FaceRef resolve_face(const TomlCursor& node, const std::string& reference) const;
-  void find_places_of_targets(const TomlCursor& root);
+  void find_faces_of_targets(const TomlCursor& root);
   int body_index(const std::string& name) const;
   std::vector<std::string> body_names() const;
   std::vector<std::string> face_names(int body) const;
 
-  /// Parts of a body that could not be read: what refers to them follows.
+  /// Properties of a body that could not be read: what refers to them follows.
   struct Unread {
     bool name = false, shape = false, faces = false;
   };

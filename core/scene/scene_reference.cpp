@@ -84,7 +84,7 @@ ReferenceSpec read_reference(const TomlCursor& section, const std::vector<std::s
   const SceneText text = reference_text(section, contact_force);
   const TomlCursor node(section.node(), section.key(), text);
   ReferenceSpec reference;
-  reference.place = node.place();
+  reference.location = node.location();
   if (const auto value = node.find("pressure")) reference.pressure = value->expression("Pa");
   if (const auto value = node.find("pressure_file")) {
     if (reference.pressure) value->fail("the pressure is given already by an expression", "pressure or pressure_file");

@@ -12,9 +12,9 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int most_points = 100000;                             // of a probe
-constexpr int most_points_of_all = 1000000;                     // of all probes: each is looked for in every body
-constexpr std::size_t most_probes = 1000, most_sections = 100;  // each has a picture
+constexpr int max_points = 100000;                            // of a probe
+constexpr int max_points_of_all = 1000000;                    // of all probes: each is looked for in every body
+constexpr std::size_t max_probes = 1000, max_sections = 100;  // each has a picture
 
 /// The elements of a list that the scene may have, not too many.
 std::vector<TomlCursor> few_elements(const TomlCursor& root, const std::string& key, std::size_t most) {
@@ -26,7 +26,7 @@ std::vector<TomlCursor> few_elements(const TomlCursor& root, const std::string& 
 }
 
 int read_count(const TomlCursor& node, int least) {
-  return node.at("points", fmt::format("{} to {}", least, most_points)).integer(least, most_points);
+  return node.at("points", fmt::format("{} to {}", least, max_points)).integer(least, max_points);
 }
 
 /// Points of a probe, those of a face aside.
@@ -101,7 +101,7 @@ void SceneReader::find_outside(const TomlCursor& node, ProbeSpec& probe) const {
 ProbeSpec SceneReader::read_probe(const TomlCursor& node) const {
   node.expect_keys({"name", "point", "line", "circle", "face", "body", "fields"});
   ProbeSpec probe;
-  probe.place = node.place();
+  probe.location = node.location();
   probe.name = read_name(node.at("name", "a name"));
   if (const auto body = node.find("body")) probe.body = body->one_of(body_names());
   const auto fields = node.find("fields");
@@ -136,12 +136,12 @@ ProbeSpec SceneReader::read_probe(const TomlCursor& node) const {
 }
 
 void SceneReader::read_probes(const TomlCursor& root) {
-  const std::vector<TomlCursor> nodes = few_elements(root, "probe", most_probes);
+  const std::vector<TomlCursor> nodes = few_elements(root, "probe", max_probes);
   int points = 0;
   for (const TomlCursor& node : nodes)
-    if ((points += count_points(node)) > most_points_of_all)
+    if ((points += count_points(node)) > max_points_of_all)
       node.at("name").fail("with it the probes have more points than allowed",
-                           fmt::format("at most {} points of all probes together", most_points_of_all));
+                           fmt::format("at most {} points of all probes together", max_points_of_all));
   std::set<std::string> seen;
   for (const TomlCursor& node : nodes) {
     attempt([&] {
@@ -154,7 +154,7 @@ void SceneReader::read_probes(const TomlCursor& root) {
 SectionSpec SceneReader::read_section(const TomlCursor& node) const {
   node.expect_keys({"name", "point", "normal", "field"});
   SectionSpec section;
-  section.place = node.place();
+  section.location = node.location();
   section.name = read_name(node.at("name", "a name"));
   section.point = node.at("point", "[x, y, z], m").vector("m");
   section.normal = node.at("normal", "[x, y, z]").direction();
@@ -176,7 +176,7 @@ SectionSpec SceneReader::read_section(const TomlCursor& node) const {
 
 void SceneReader::read_sections(const TomlCursor& root) {
   std::set<std::string> seen;
-  for (const TomlCursor& node : few_elements(root, "section", most_sections))
+  for (const TomlCursor& node : few_elements(root, "section", max_sections))
     attempt([&] {
       scene_.sections.push_back(read_section(node));
       check_unique(node.at("name"), scene_.sections.back().name, seen, "section");

@@ -59,7 +59,7 @@ void read_degree(const TomlCursor& node, RecoveryOptions& options) {
   options.degree.interior = options.degree.boundary = options.degree.contact = node.integer(1, 2);
 }
 
-constexpr std::size_t most_steps = 1000;
+constexpr std::size_t max_steps = 1000;
 
 /// Factors of one kind in all steps; the last one is 1.
 std::vector<double> read_factors(const TomlCursor& node) {
@@ -68,8 +68,8 @@ std::vector<double> read_factors(const TomlCursor& node) {
   std::vector<double> factors;
   for (const TomlCursor& element : node.elements("factors, one for each step"))
     factors.push_back(element.number(range));
-  if (factors.empty() || factors.size() > most_steps)
-    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", most_steps));
+  if (factors.empty() || factors.size() > max_steps)
+    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", max_steps));
   if (factors.back() != 1) node.fail("does not end with 1", "a last step that is the scene itself: [.., 1]");
   return factors;
 }
@@ -84,22 +84,22 @@ double read_target(const TomlCursor& node) {
   const std::size_t sign = text.find_last_not_of(" \t");
   if (sign == std::string::npos || text[sign] != '%') return node.number(range);
   text.resize(sign);
-  const Quantity per_cent = evaluate_constant(text, node.place(), node.text().parameters);
-  const double value = value_in({}, per_cent, node.place(), node.value(), range.text) / 100;
+  const Quantity per_cent = evaluate_constant(text, node.location(), node.text().parameters);
+  const double value = value_in({}, per_cent, node.location(), node.value(), range.text) / 100;
   if (!range.contains(value)) node.fail("out of range", range.text);
   return value;
 }
 
 namespace {
 
-/// Reads the target of the largest displacement, or place = target: a face, a probe or "largest".
+/// Reads the target of the largest displacement, or name = target: a face, a probe or "largest".
 std::vector<NamedTarget> read_displacement_targets(const TomlCursor& node) {
   std::vector<NamedTarget> targets;
   if (!node.is_table())
     targets.push_back({NamedTarget::Kind::displacement, "largest", read_target(node)});
   else
-    for (const auto& [place, target] : node.entries())
-      targets.push_back({NamedTarget::Kind::displacement, place, read_target(target)});
+    for (const auto& [name, target] : node.entries())
+      targets.push_back({NamedTarget::Kind::displacement, name, read_target(target)});
   if (targets.empty()) node.fail("names no place", "\"1 %\", or {\"body.face\" = \"1 %\", probe = \"1 %\", ...}");
   return targets;
 }
@@ -143,8 +143,8 @@ std::vector<double> read_own_steps(const TomlCursor& node, std::vector<StepSpec>
   std::vector<double> factors;
   for (const TomlCursor& element : node.elements("factors, one for each step"))
     factors.push_back(element.number(range));
-  if (factors.empty() || factors.size() > most_steps)
-    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", most_steps));
+  if (factors.empty() || factors.size() > max_steps)
+    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", max_steps));
   if (!steps.empty() && steps.size() != factors.size())
     node.fail(fmt::format("has {} factors, the scene {} steps", factors.size(), steps.size()),
               "one factor for each step");

@@ -236,7 +236,7 @@ Solid ShapeReader::read(const TomlCursor& node) {
   return placed(node, is_operation ? read_operation(node, kind) : read_primitive(node, kind));
 }
 
-/// Largest radius in sizes of the body. Points are on a surface to 1e-9 of the size; one of a larger radius departs
+/// Largest radius in sizes of the body. Points are on a surface to 1e-9 of the size; one of a larger radius deviates
 /// from its tangent plane by less than a hundred times that, and planes beside it take its points.
 constexpr double max_radius = 1e6;
 

@@ -193,43 +193,43 @@ struct Layout {
 
 /// Fraction of the part's height by which flat ends are compressed; largest one by which the plate comes down on
 /// others.
-constexpr double flat_strain = 1e-3, most_strain = 0.01;
+constexpr double flat_strain = 1e-3, max_strain = 0.01;
 
 /// Returns a cell size: enough cells through thin regions, not too many in all.
 double cell_size_for(const PartOutline& part, double cells) {
   const Vec3 extent = part.max - part.min;
   const double longest = extent.maxCoeff(), shortest = extent.minCoeff();
-  constexpr double cells_through = 4, most_cells = 30000;
+  constexpr double cells_through = 4, max_cells = 30000;
   double h = std::min(longest / cells, shortest / cells_through);
-  const double affordable = std::cbrt(part.volume / (most_cells * std::pow(cells / 20.0, 3)));
+  const double affordable = std::cbrt(part.volume / (max_cells * std::pow(cells / 20.0, 3)));
   h = std::min(std::max(h, affordable), shortest / 1.2);
   // Sheets: rather less than a cell through the thickness than too many cells.
-  return two_digits(std::max(h, std::sqrt(part.area / 2 / (2 * most_cells))));
+  return two_digits(std::max(h, std::sqrt(part.area / 2 / (2 * max_cells))));
 }
 
-/// Places the plate over the top of the part; `least`: half of its width, thickness (m).
-void place_plate(const PartOutline& part, double least_half, double least_thickness, Layout& layout) {
+/// Positions the plate over the top of the part; `least`: half of its width, thickness (m).
+void position_plate(const PartOutline& part, double min_half, double min_thickness, Layout& layout) {
   const PartEnd& top = part.top;
   const Vec3 extent = part.max - part.min, center = (top.min + top.max) / 2;
   const double narrowest = std::min(extent[0], extent[1]);
   Vec3 half = (top.max - top.min) / 2;
-  for (int k = 0; k < 2; ++k) half[k] = std::max({1.1 * half[k], 0.2 * narrowest, least_half});
-  const double thickness = std::max(least_thickness, std::min(0.6 * std::min(half[0], half[1]), extent[2]));
+  for (int k = 0; k < 2; ++k) half[k] = std::max({1.1 * half[k], 0.2 * narrowest, min_half});
+  const double thickness = std::max(min_thickness, std::min(0.6 * std::min(half[0], half[1]), extent[2]));
   layout.plate_min = {center[0] - half[0], center[1] - half[1], part.max[2]};
   layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
 }
 
 Layout lay_out_cells(const PartOutline& part, double cells) {
-  constexpr double plate_cells_through = 4, most_plate_cells_across = 60;
+  constexpr double plate_cells_through = 4, max_plate_cells_across = 60;
   Layout layout;
   const double h = layout.cell_size = cell_size_for(part, cells);
-  place_plate(part, 3 * h, 0, layout);
+  position_plate(part, 3 * h, 0, layout);
   const Vec3 size = layout.plate_max - layout.plate_min;
-  layout.plate_cell = std::max(0.8 * h, std::max(size[0], size[1]) / most_plate_cells_across);
-  place_plate(part, 3 * h, plate_cells_through * layout.plate_cell, layout);
+  layout.plate_cell = std::max(0.8 * h, std::max(size[0], size[1]) / max_plate_cells_across);
+  position_plate(part, 3 * h, plate_cells_through * layout.plate_cell, layout);
 
   // Others than flat ones: so far that the planes would cut out some six cells across; a contact zone is 0.7 of that.
-  const double height = part.max[2] - part.min[2], most = std::max(most_strain * height, 0.6 * h);
+  const double height = part.max[2] - part.min[2], most = std::max(max_strain * height, 0.6 * h);
   const auto is_wide = [&](double, const PartCut& cut) { return cut.half_width() >= 1.42 * h; };
   const double push = part.top.flat ? flat_strain * height : part.push_until(is_wide, most);
   layout.push = two_digits(push);
@@ -244,20 +244,20 @@ Layout lay_out(const PartOutline& part) {
   // radius of a tenth of its own and a pressure of E/30. Facets are steep at once, so that 0.15 does not count below
   // `least`.
   constexpr double least = 0.04, most = 0.1, steep = 0.15, too_steep = 0.3;
-  constexpr double smallest_part = 1e-4;       // of the most that the plate may come down
+  constexpr double min_fraction = 1e-4;        // of the most that the plate may come down
   constexpr double long_compactness = 0.0125;  // area over the rim squared: some 17 times as long as wide
   Layout layout;
-  place_plate(part, 0, 0, layout);
+  position_plate(part, 0, 0, layout);
   const Vec3 extent = part.max - part.min;
-  const double side = extent.minCoeff(), most_push = most_strain * extent[2];
+  const double side = extent.minCoeff(), max_push = max_strain * extent[2];
   const auto is_enough = [&](double push, const PartCut& cut) {
     const double half_width = cut.half_width();
     return half_width >= most * side || push >= too_steep * half_width ||
            (half_width >= least * side && push >= steep * half_width);
   };
-  const double push = part.top.flat ? flat_strain * extent[2] : part.push_until(is_enough, most_push);
+  const double push = part.top.flat ? flat_strain * extent[2] : part.push_until(is_enough, max_push);
   const PartCut cut = part.cut_at(push);
-  layout.is_narrow = push < smallest_part * most_push;
+  layout.is_narrow = push < min_fraction * max_push;
   layout.is_long = !part.top.flat && cut.area < long_compactness * cut.rim * cut.rim;
   layout.push = two_digits(push);
   return layout;
@@ -275,11 +275,11 @@ std::string end_selector(const PartOutline& part, const PartEnd& end, double sig
 }
 
 std::string face_lines(const PartOutline& part) {
-  constexpr std::size_t most_lines = 20;
+  constexpr std::size_t max_lines = 20;
   const double size = (part.max - part.min).maxCoeff();
   std::string text;
-  for (std::size_t k = 0; k < std::min(part.parts.size(), most_lines); ++k) {
-    const SmoothPart& face = part.parts[k];
+  for (std::size_t k = 0; k < std::min(part.regions.size(), max_lines); ++k) {
+    const SmoothRegion& face = part.regions[k];
     const std::string shape = face.normal.isZero()
                                   ? "closed"
                                   : fmt::format("{}, normal{} {}", face.flat ? "flat" : "curved",
@@ -287,8 +287,8 @@ std::string face_lines(const PartOutline& part) {
     text += fmt::format("#  {{name = \"face{}\", smooth = {{seed = {}, angle = 30}}}},   # {:.4g} m^2, {}\n", k + 1,
                         vector(face.seed, size), face.area, shape);
   }
-  if (part.parts.size() > most_lines)
-    text += fmt::format("#  ... and {} smaller ones\n", part.parts.size() - most_lines);
+  if (part.regions.size() > max_lines)
+    text += fmt::format("#  ... and {} smaller ones\n", part.regions.size() - max_lines);
   return text;
 }
 
@@ -383,7 +383,7 @@ std::string scene_of_part(const Part& given, std::optional<double> cells, const 
   told += fmt::format("{}; the part has {} smooth face{}\n",
                       cells ? fmt::format("cells of {:.3g} m", layout.cell_size)
                             : fmt::format("{} to 5 %", part.top.flat ? "force" : "pressure"),
-                      part.parts.size(), part.parts.size() == 1 ? "" : "s");
+                      part.regions.size(), part.regions.size() == 1 ? "" : "s");
   return fmt::format(
       part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", comment_word(file)),
       fmt::arg("turn", rotation_line(part.turn)), fmt::arg("shape", given.shape),
@@ -549,9 +549,9 @@ std::vector<std::string> unit_names() {
 int parse_init_cells(const std::string& text) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < fewest_init_cells || value > most_init_cells)
+  if (error != std::errc() || end != text.data() + text.size() || value < min_init_cells || value > max_init_cells)
     throw InputError(fmt::format("\"{}\" is not a number of cells (allowed: an integer from {} to {})", text,
-                                 fewest_init_cells, most_init_cells));
+                                 min_init_cells, max_init_cells));
   return value;
 }
 

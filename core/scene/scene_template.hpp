@@ -18,7 +18,7 @@ struct InitOptions {
   std::optional<int> cells;
 };
 
-constexpr int fewest_init_cells = 4, most_init_cells = 200;
+constexpr int min_init_cells = 4, max_init_cells = 200;
 
 /// Function that finds what keeps a scene (its text, the name of its file) from running; "": nothing.
 using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;
@@ -27,7 +27,7 @@ using FindFault = std::function<std::string(const std::string& text, const std::
 /// [accuracy] and with all tried cell sizes. Throws InputError.
 std::string init_scene(const InitOptions& options, const FindFault& find_fault = {});
 
-/// Parses an integer from fewest_init_cells to most_init_cells; throws InputError.
+/// Parses an integer from min_init_cells to max_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);
 
 /// Returns by its name whether a file is an input deck of CalculiX or Abaqus (.inp), which core/decks reads.

@@ -44,20 +44,20 @@ double number_of(const toml::node& node) {
 TomlCursor::TomlCursor(const toml::node& node, std::string key, const SceneText& text)
     : node_(&node), key_(std::move(key)), text_(&text) {}
 
-SourcePlace TomlCursor::place() const {
+SourceLocation TomlCursor::location() const {
   const toml::source_region& source = node_->source();
-  SourcePlace place{text_->file, static_cast<int>(source.begin.line), key_};
+  SourceLocation location{text_->file, static_cast<int>(source.begin.line), key_};
   if (source.path && source.path->rfind(override_prefix, 0) == 0) {
-    place.file = *source.path;
-    place.line = 0;
+    location.file = *source.path;
+    location.line = 0;
   }
-  return place;
+  return location;
 }
 
 std::string TomlCursor::value() const { return node_->is_array_of_tables() ? "[...]" : as_toml(*node_); }
 
 void TomlCursor::fail(const std::string& problem, const std::string& allowed) const {
-  throw InputError(place(), value(), problem, allowed);
+  throw InputError(location(), value(), problem, allowed);
 }
 
 std::string TomlCursor::type_name() const {
@@ -88,7 +88,7 @@ std::optional<TomlCursor> TomlCursor::find(const std::string& key) const {
 
 TomlCursor TomlCursor::at(const std::string& key, const std::string& allowed) const {
   if (auto found = find(key)) return *found;
-  SourcePlace where = place();
+  SourceLocation where = location();
   where.key = key_.empty() ? key : key_ + "." + key;
   throw InputError(where, "", "this key is required but missing", allowed);
 }
@@ -122,9 +122,9 @@ std::string TomlCursor::string(const std::string& what) const {
 
 int TomlCursor::one_of(const std::vector<std::string>& names) const {
   const std::string name = string(join(names));
-  const auto place = std::find(names.begin(), names.end(), name);
-  if (place == names.end()) fail("is not known" + did_you_mean(name, names), join(names));
-  return static_cast<int>(place - names.begin());
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) fail("is not known" + did_you_mean(name, names), join(names));
+  return static_cast<int>(found - names.begin());
 }
 
 bool TomlCursor::boolean() const {
@@ -133,7 +133,7 @@ bool TomlCursor::boolean() const {
 }
 
 Quantity TomlCursor::quantity(const std::string& allowed) const {
-  if (is_string()) return evaluate_constant(*node_->value<std::string>(), place(), text_->parameters);
+  if (is_string()) return evaluate_constant(*node_->value<std::string>(), location(), text_->parameters);
   if (!node_->is_number()) fail("is " + type_name() + ", not a number", allowed);
   return number_of(*node_);
 }
@@ -153,7 +153,7 @@ std::string TomlCursor::value_with_definition() const {
 
 double TomlCursor::number(const Range& range) const {
   const double number =
-      value_in(unit_named(range.unit), quantity(range.text), place(), value_with_definition(), range.text);
+      value_in(unit_named(range.unit), quantity(range.text), location(), value_with_definition(), range.text);
   if (std::isfinite(number) && range.contains(number)) return number;
   std::string problem = std::isfinite(number) ? "out of range" : "not finite";
   if (is_string())
@@ -193,7 +193,7 @@ Vec3 TomlCursor::direction() const {
 Expression TomlCursor::expression(const std::string& unit) const {
   if (is_string() && text_->definitions.count(*node_->value<std::string>()))
     return Expression(number(Range::any(unit)));
-  if (is_string()) return Expression(*node_->value<std::string>(), place(), text_->parameters, unit_named(unit));
+  if (is_string()) return Expression(*node_->value<std::string>(), location(), text_->parameters, unit_named(unit));
   if (!node_->is_number()) fail("is " + type_name() + ", not a number", "a number or an expression of x, y, z");
   return Expression(number(Range::any()));
 }

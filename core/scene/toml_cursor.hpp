@@ -34,7 +34,7 @@ class TomlCursor {
   const toml::node& node() const { return *node_; }
   const std::string& key() const { return key_; }
   const SceneText& text() const { return *text_; }
-  SourcePlace place() const;
+  SourceLocation location() const;
   /// Returns the value as TOML.
   std::string value() const;
   [[noreturn]] void fail(const std::string& problem, const std::string& allowed = {}) const;

@@ -68,7 +68,7 @@ std::string weight_of_mass(const Dimension& found, const Dimension& wanted) {
 
 }  // namespace
 
-double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& place, const std::string& text,
+double value_in(const Unit& unit, const Quantity& quantity, const SourceLocation& location, const std::string& text,
                 const std::string& allowed) {
   if (!quantity.has_units || !quantity.dimension) return quantity.value;
   const Dimension& dimension = *quantity.dimension;
@@ -76,13 +76,13 @@ double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& p
   if (unit.dimension.is_angle() && pure) return quantity.value;
   const bool fits = unit.dimension.is_angle() ? dimension.is_angle() : dimension.same_but_angle(unit.dimension);
   if (!fits)
-    throw InputError(place, text,
+    throw InputError(location, text,
                      "is " + name_of(dimension) + ", not " + name_of(unit.dimension) +
                          weight_of_mass(dimension, unit.dimension) + unit_of_divisor(text, dimension, unit.dimension),
                      allowed_units(unit, allowed));
   const int angle = Dimension::angle;
   if (!unit.dimension.is_angle() && unit.dimension.exponents[angle] != 0 && dimension.exponents[angle] == 0)
-    throw InputError(place, text, "is " + name_of(dimension) + ", which may mean revolutions or radians",
+    throw InputError(location, text, "is " + name_of(dimension) + ", which may mean revolutions or radians",
                      allowed_units(unit, allowed));
   return unit.from_si(quantity.value);
 }

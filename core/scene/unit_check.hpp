@@ -23,7 +23,7 @@ struct Quantity {
 
 /// Returns the value in the unit of a key. Throws InputError if the quantity has units and another dimension;
 /// `allowed`: what the key takes.
-double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& place, const std::string& text,
+double value_in(const Unit& unit, const Quantity& quantity, const SourceLocation& location, const std::string& text,
                 const std::string& allowed);
 
 }  // namespace cgcontact

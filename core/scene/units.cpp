@@ -17,7 +17,7 @@ namespace {
 constexpr double pound = 0.45359237;             // kg, by definition
 constexpr double pound_force = 4.4482216152605;  // N, by definition: pound times 9.80665 m/s^2
 constexpr double square_inch = 6.4516e-4;        // m^2
-constexpr int largest_exponent = 9;              // one digit
+constexpr int max_exponent = 9;                  // one digit
 
 constexpr Dimension pure{{0, 0, 0, 0, 0}}, length{{1, 0, 0, 0, 0}}, mass{{0, 1, 0, 0, 0}}, duration{{0, 0, 1, 0, 0}},
     temperature{{0, 0, 0, 1, 0}}, angle{{0, 0, 0, 0, 1}}, force{{1, 1, -2, 0, 0}}, pressure{{-1, 1, -2, 0, 0}},
@@ -112,8 +112,8 @@ const std::vector<NamedDimension>& named_dimensions() {
 
 bool in_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || static_cast<unsigned char>(c) >= 0x80; }
 
-bool starts_with(const std::string& text, std::size_t k, const char* part) {
-  return text.compare(k, std::string(part).size(), part) == 0;
+bool starts_with(const std::string& text, std::size_t k, const char* beginning) {
+  return text.compare(k, std::string(beginning).size(), beginning) == 0;
 }
 
 /// Length of the name at k, without the signs for powers and products.
@@ -156,7 +156,7 @@ int read_exponent(const std::string& text, std::size_t& k) {
 }
 
 void multiply_by(Unit& unit, const Unit& factor, int power) {
-  for (int i = 0; i < std::min(std::abs(power), largest_exponent); ++i) {
+  for (int i = 0; i < std::min(std::abs(power), max_exponent); ++i) {
     unit.multiply *= power > 0 ? factor.multiply : factor.divide;
     unit.divide *= power > 0 ? factor.divide : factor.multiply;
   }

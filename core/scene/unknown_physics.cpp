@@ -10,8 +10,8 @@ namespace {
 
 struct Entry {
   const char* sentence;
-  std::vector<const char*> words;  ///< the whole key
-  std::vector<const char*> parts;  ///< anywhere in it
+  std::vector<const char*> words;      ///< the whole key
+  std::vector<const char*> fragments;  ///< anywhere in it
 };
 
 const std::vector<Entry>& entries() {
@@ -73,10 +73,10 @@ std::string unknown_physics(const std::string& key) {
   for (const char c : key)
     if (c != '_' && c != '-') word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto is_word = [&](const char* other) { return word == other; };
-  const auto is_part = [&](const char* part) { return word.find(part) != std::string::npos; };
+  const auto is_within = [&](const char* fragment) { return word.find(fragment) != std::string::npos; };
   for (const Entry& entry : entries())
     if (std::any_of(entry.words.begin(), entry.words.end(), is_word) ||
-        std::any_of(entry.parts.begin(), entry.parts.end(), is_part))
+        std::any_of(entry.fragments.begin(), entry.fragments.end(), is_within))
       return entry.sentence;
   return "";
 }

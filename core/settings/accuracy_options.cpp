@@ -8,7 +8,7 @@ std::vector<Setting> AccuracyOptions::settings() {
           {"max_levels", &max_levels, Range::integers(1, 20)},
           {"max_solves", &max_solves, Range::integers(1, 100)},
           method_constant("first_cells_through", first_cells_through, Range::positive("cells")),
-          method_constant("most_first_cells", most_first_cells, Range::positive("cells")),
+          method_constant("most_first_cells", max_first_cells, Range::positive("cells")),
           method_constant("grading", grading, Range::from_to(0.05, 1, "0.05 to 1")),
           method_constant("beyond_zone", beyond_zone, Range::not_negative()),
           method_constant("middle_cells", middle_cells, Range::positive("cells")),
@@ -18,9 +18,9 @@ std::vector<Setting> AccuracyOptions::settings() {
           method_constant("safety", safety, Range::positive()),
           method_constant("doubtful_width", doubtful_width, Range::not_negative("cells")),
           method_constant("energy_aim", energy_aim, Range::fraction()),
-          method_constant("least_change", least_change, Range::from_to(1, 100, "1 to 100")),
-          method_constant("most_change", most_change, Range::from_to(1, 100, "1 to 100")),
-          method_constant("force_part", force_part, Range::fraction()),
+          method_constant("least_change", min_change, Range::from_to(1, 100, "1 to 100")),
+          method_constant("most_change", max_change, Range::from_to(1, 100, "1 to 100")),
+          method_constant("force_part", force_fraction, Range::fraction()),
           method_constant("energy_grading", energy_grading, Range::from_to(0.05, 1, "0.05 to 1")),
           method_constant("near_gap", near_gap, Range::fraction())};
 }

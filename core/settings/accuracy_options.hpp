@@ -45,7 +45,7 @@ struct AccuracyOptions {
 
   /// First grid without cell_size: cells over the mean thickness (twice the volume over the surface; a third of a
   /// cube's side), and their largest number in a body.
-  double first_cells_through = 2.7, most_first_cells = 40000;
+  double first_cells_through = 2.7, max_first_cells = 40000;
   /// Growth of the cells with the distance from the contact zone.
   double grading = 0.25;
   /// Fraction of half a zone's width by which its cells go on beyond its closed points.
@@ -61,9 +61,9 @@ struct AccuracyOptions {
   /// Cells across a zone at which that estimate is half of what it should be.
   double doubtful_width = 5;
   /// Size changes at least and at most by these factors from one solve to the next.
-  double least_change = 1.4, most_change = 8;
+  double min_change = 1.4, max_change = 8;
   /// Fraction of the target of the pressure that the force's error may take.
-  double force_part = 0.7;
+  double force_fraction = 0.7;
   /// Fraction of what the targets allow that the next grid aims at for the energy norm.
   double energy_aim = 0.9;
   /// Growth of cells with the distance from those that the energy norm's error asks for.

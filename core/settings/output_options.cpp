@@ -18,7 +18,7 @@ std::vector<Setting> OutputOptions::settings() {
 
 void OutputOptions::check() const {
   if (path && !((path->second - path->first).stableNorm() > 0))
-    throw InputError(SourcePlace{"", 0, "output.path"}, "", "has no length", "from different from to");
+    throw InputError(SourceLocation{"", 0, "output.path"}, "", "has no length", "from different from to");
 }
 
 std::string OutputOptions::print() const {

@@ -30,11 +30,11 @@ std::vector<Setting> RecoveryOptions::settings() {
       {"points_per_face", &points_per_face, Range::from_to(0, 6, "0 (by the degree), 1, 3 or 6"), {0, 1, 3, 6}},
       {"patch_volume", &patch_volume, positive_up_to(8, "> 0 and <= 8 cells")},
       {"inverse_variance", &inverse_variance},
-      method_constant("weak_rank_part", weak_rank_part, Range::fraction()),
+      method_constant("weak_rank_part", weak_rank_fraction, Range::fraction()),
       method_constant("closed_fraction", closed_fraction, Range::fraction()),
       method_constant("thick", thick, Range::integers(1, 16)),
-      method_constant("least_auxiliary_volume", least_auxiliary_volume, positive_up_to(8, "> 0 and <= 8 cells")),
-      method_constant("most_weight", most_weight, Range::from_to(1, 1e12, "1 to 1e12")),
+      method_constant("least_auxiliary_volume", min_auxiliary_volume, positive_up_to(8, "> 0 and <= 8 cells")),
+      method_constant("most_weight", max_weight, Range::from_to(1, 1e12, "1 to 1e12")),
       method_constant("conflict", conflict, Range::positive()),
       method_constant("firm_tolerance", firm_tolerance, Range::fraction()),
       method_constant("term_reach", term_reach, Range::not_negative("cells")),
@@ -53,7 +53,7 @@ void RecoveryOptions::check() const {
   check_settings("recovery", copy.settings());
   const auto above = [](const std::string& key, double value, double least, const std::string& other) {
     if (!(value > least))
-      throw InputError(SourcePlace{"", 0, "recovery." + key}, fmt::format("{}", value), "out of range",
+      throw InputError(SourceLocation{"", 0, "recovery." + key}, fmt::format("{}", value), "out of range",
                        "> recovery." + other);
   };
   above("balance.mean_wrong", balance.mean_wrong, balance.mean_exact, "balance.mean_exact");

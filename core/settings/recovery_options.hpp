@@ -48,7 +48,7 @@ struct RecoveryOptions {
 
   /// Fraction of rank_tolerance for degree 2 and for bodies of revolution: the rows of the curvature of a traction, and
   /// those by which the stress turns about the axis, are weak ones although not redundant (docs/recovery.md).
-  double weak_rank_part = 0.1;
+  double weak_rank_fraction = 0.1;
   /// A patch counts as closed when at least this fraction of its contact area is (one of four equal cells: whatever the
   /// rounding). Paper's scene, mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159
   /// .080 .038, a quarter .149 .067 .035, half .216 .097 .041.
@@ -56,9 +56,9 @@ struct RecoveryOptions {
   /// Cells across both bodies from which on patches with closed contact are of degree 2 (docs/recovery.md, "Degree").
   int thick = 4;
   /// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
-  double least_auxiliary_volume = 0.25;
+  double min_auxiliary_volume = 0.25;
   /// Largest ratio of the weights of both bodies' misfits in a coupled patch.
-  double most_weight = 1e4;
+  double max_weight = 1e4;
   /// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
   double conflict = 0.01;
   /// Patches whose contact face begins closer to the edge of a zone than that carry the edge's term, cells of the body.
@@ -69,7 +69,7 @@ struct RecoveryOptions {
   BalanceOptions balance = {};
 
   double rank_tolerance_of(int of_degree, bool of_revolution = false) const {
-    return of_degree == 1 && !of_revolution ? rank_tolerance : weak_rank_part * rank_tolerance;
+    return of_degree == 1 && !of_revolution ? rank_tolerance : weak_rank_fraction * rank_tolerance;
   }
 
   std::vector<Setting> settings();

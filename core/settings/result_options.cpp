@@ -3,10 +3,10 @@
 namespace cgcontact {
 
 std::vector<Setting> ResultOptions::settings() {
-  return {method_constant("least_cells_across", least_cells_across, Range::positive("cells")),
+  return {method_constant("least_cells_across", min_cells_across, Range::positive("cells")),
           method_constant("wanted_cells_across", wanted_cells_across, Range::positive("cells")),
-          method_constant("least_cells_on_face", least_cells_on_face, Range::positive("cells")),
-          method_constant("least_thickness", least_thickness, Range::positive("cells")),
+          method_constant("least_cells_on_face", min_cells_on_face, Range::positive("cells")),
+          method_constant("least_thickness", min_thickness, Range::positive("cells")),
           method_constant("wanted_thickness", wanted_thickness, Range::positive("cells")),
           method_constant("lost_force", lost_force, Range::fraction()),
           method_constant("lost_load", lost_load, Range::fraction()),

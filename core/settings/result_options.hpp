@@ -10,12 +10,12 @@ struct ResultOptions {
 
   /// Cells across a zone below which its pressure and error estimate are unreliable, and recommended ones, five over
   /// half the width or the radius (docs/recovery.md, "Error figures").
-  double least_cells_across = 5, wanted_cells_across = 10;
+  double min_cells_across = 5, wanted_cells_across = 10;
   /// The same where problems on the faces give all of the pressure (docs/accuracy.md, "The pressure on the face").
-  double least_cells_on_face = 3;
+  double min_cells_on_face = 3;
   /// Cells over the thickness of a body below which its bending is not resolved, 11 to 26 % too stiff at 1.5 cells, 6
   /// to 12 % at two, and those that are recommended (docs/decisions.md, "Bodies thinner than their cells").
-  double least_thickness = 1.75, wanted_thickness = 3;
+  double min_thickness = 1.75, wanted_thickness = 3;
   /// Fraction of the transmitted force by which the integral of the recovered pressure may be off without a warning.
   double lost_force = 0.15;
   /// Fraction of the loads on a face or a body by which the quadrature of their expressions may be off without a

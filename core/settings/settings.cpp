@@ -49,7 +49,7 @@ void check_settings(const std::string& section, const std::vector<Setting>& sett
       allowed = s.range.contains(**number) &&
                 (s.only.empty() || std::find(s.only.begin(), s.only.end(), **number) != s.only.end());
     if (!allowed)
-      throw InputError(SourcePlace{"", 0, section + "." + s.key}, value_text(s), "out of range", s.range.text);
+      throw InputError(SourceLocation{"", 0, section + "." + s.key}, value_text(s), "out of range", s.range.text);
   }
 }
 

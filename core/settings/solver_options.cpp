@@ -33,7 +33,7 @@ std::vector<Setting> SolverOptions::settings() {
           method_constant("thin_kappa_factor", thin_kappa_factor, Range::positive()),
           method_constant("inner_fraction", inner_fraction, Range::fraction()),
           method_constant("loosest_inner_tolerance", loosest_inner_tolerance, Range::tolerance()),
-          method_constant("largest_spring_part", largest_spring_part, Range::fraction()),
+          method_constant("largest_spring_part", largest_spring_fraction, Range::fraction()),
           method_constant("soft_hold", soft_hold, Range::fraction()),
           method_constant("small_zone_joins", small_zone_joins, Range::fraction()),
           method_constant("small_zone_leaves", small_zone_leaves, Range::fraction()),

@@ -48,7 +48,7 @@ struct SolverOptions {
   /// Tolerance of a linear solve, of the outer residual before it; at most `loosest_inner_tolerance`.
   double inner_fraction = 0.005, loosest_inner_tolerance = 1e-3;
   /// Fraction of the contact forces that springs which follow a motion may still take in the end.
-  double largest_spring_part = 1e-6;
+  double largest_spring_fraction = 1e-6;
   /// Stiffness of what holds bodies while contact does not, of a support's on the smallest cells of the contact and the
   /// softest body that contact joins them to: below that of contact and the bodies, so that its rest position follows
   /// within the outer iteration.

@@ -36,15 +36,15 @@ std::vector<Triangle> polygon_triangles(const std::vector<Vec3>& corners) {
   const int n = static_cast<int>(corners.size());
   if (n < 3) return {};
   Vec3 normal = Vec3::Zero();
-  const auto part = [&](int k) { return Vec3((corners[k] - corners[0]).cross(corners[k + 1] - corners[0])); };
-  double parts = 0;
+  const auto term = [&](int k) { return Vec3((corners[k] - corners[0]).cross(corners[k + 1] - corners[0])); };
+  double norms = 0;
   for (int k = 1; k + 1 < n; ++k) {
-    normal += part(k);
-    parts += part(k).norm();
+    normal += term(k);
+    norms += term(k).norm();
   }
-  if (normal.norm() < 1e-14 * parts) return {};
+  if (normal.norm() < 1e-14 * norms) return {};
   bool is_fan = true;
-  for (int k = 1; k + 1 < n; ++k) is_fan = is_fan && part(k).dot(normal) >= 0;
+  for (int k = 1; k + 1 < n; ++k) is_fan = is_fan && term(k).dot(normal) >= 0;
   if (is_fan) return fan(n);
   const double area = normal.norm();
   if (!(area > 0)) return {};

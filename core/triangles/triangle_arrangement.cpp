@@ -26,8 +26,8 @@ using Division = CGAL::Constrained_Delaunay_triangulation_2<Exact, CGAL::Default
 
 /// From an integer: a winding number farther off is that of a point that rounding has put on the surface.
 constexpr double clear_winding = 0.1;
-constexpr std::size_t most_samples = 5;                  // of a patch
-constexpr int most_passes = 20;                          // in search of needles
+constexpr std::size_t max_samples = 5;                   // of a patch
+constexpr int max_passes = 20;                           // in search of needles
 constexpr int num_kinds = WindingNumbers::num_surfaces;  // solids, cavities
 
 /// A triangle and how often each kind of surface passes it: in its own sense minus the other one, the first not less
@@ -41,11 +41,11 @@ struct Facet {
 class Cutter {
  public:
   Cutter(const TriangleSoup& solids, const TriangleSoup& cavities) {
-    for (const TriangleSoup* part : {&solids, &cavities}) {
+    for (const TriangleSoup* soup : {&solids, &cavities}) {
       const int first = static_cast<int>(soup_.points.size());
-      soup_.points.insert(soup_.points.end(), part->points.begin(), part->points.end());
-      for (const Triangle& t : part->triangles) soup_.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-      kind_.resize(soup_.triangles.size(), part == &solids ? 0 : 1);
+      soup_.points.insert(soup_.points.end(), soup->points.begin(), soup->points.end());
+      for (const Triangle& t : soup->triangles) soup_.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+      kind_.resize(soup_.triangles.size(), soup == &solids ? 0 : 1);
     }
     merge_equal_points(soup_);
     for (const Vec3& x : soup_.points) points_.emplace_back(x[0], x[1], x[2]);
@@ -180,16 +180,16 @@ class Cutter {
     }
     const bool turned = normal_of[axis] < 0;
     for (const Division::Face_handle f : division.finite_face_handles()) {
-      Triangle piece{number.at(f->vertex(0)), number.at(f->vertex(1)), number.at(f->vertex(2))};
-      if (turned) std::swap(piece[1], piece[2]);
-      add(piece, kind_[t]);
+      Triangle triangle{number.at(f->vertex(0)), number.at(f->vertex(1)), number.at(f->vertex(2))};
+      if (turned) std::swap(triangle[1], triangle[2]);
+      add(triangle, kind_[t]);
     }
   }
 
   int number_of_point(const ExactPoint& x) {
-    const auto [place, is_new] = number_of_.try_emplace(x, static_cast<int>(soup_.points.size()));
+    const auto [entry, is_new] = number_of_.try_emplace(x, static_cast<int>(soup_.points.size()));
     if (is_new) soup_.points.emplace_back(CGAL::to_double(x.x()), CGAL::to_double(x.y()), CGAL::to_double(x.z()));
-    return place->second;
+    return entry->second;
   }
 
   void add(Triangle corners, int kind) {
@@ -249,7 +249,7 @@ std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<
   std::vector<int> side(facets.size(), 0);
   parallel_for("cgcontact::triangle_arrangement::sides", members.size(), 1, [&](std::size_t p) {
     std::vector<int>& list = members[p];
-    const std::size_t samples = std::min(most_samples, list.size());
+    const std::size_t samples = std::min(max_samples, list.size());
     std::partial_sort(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(samples), list.end(),
                       [&](int a, int b) { return std::make_pair(-area[a], a) < std::make_pair(-area[b], b); });
     int answer = 0;
@@ -341,7 +341,7 @@ std::vector<EdgePair> pairs_at_edge(const TriangleSoup& soup, const std::vector<
 }
 
 /// Separates the surface where more than two triangles meet at an edge, or several fans of them at a point.
-void part(TriangleSoup& soup) {
+void separate_fans(TriangleSoup& soup) {
   std::vector<int> leader(3 * soup.triangles.size());  // of every corner of a triangle
   std::iota(leader.begin(), leader.end(), 0);
   const auto find = [&](int c) {
@@ -355,19 +355,19 @@ void part(TriangleSoup& soup) {
       leader[find(corner(a, 1))] = find(corner(b, 0));
     }
   });
-  TriangleSoup parted;
+  TriangleSoup separated;
   std::map<int, int> number;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
     Triangle corners;
     for (int k = 0; k < 3; ++k) {
-      const auto [place, is_new] =
-          number.try_emplace(find(3 * static_cast<int>(t) + k), static_cast<int>(parted.points.size()));
-      if (is_new) parted.points.push_back(soup.points[soup.triangles[t][k]]);
-      corners[k] = place->second;
+      const auto [entry, is_new] =
+          number.try_emplace(find(3 * static_cast<int>(t) + k), static_cast<int>(separated.points.size()));
+      if (is_new) separated.points.push_back(soup.points[soup.triangles[t][k]]);
+      corners[k] = entry->second;
     }
-    parted.triangles.push_back(corners);
+    separated.triangles.push_back(corners);
   }
-  soup = std::move(parted);
+  soup = std::move(separated);
 }
 
 /// Gives pairs of neighbours at a shared edge a middle of their own: where the fans about both ends are one, the ends
@@ -419,14 +419,14 @@ TriangleSoup outer_boundary(const TriangleSoup& solids, const TriangleSoup& cavi
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
   result.merge(std::move(used), one_point);
-  part_where_touching(result);
+  separate_where_touching(result);
   return result;
 }
 
-void part_where_touching(TriangleSoup& soup) {
-  for (int pass = 0; pass < most_passes; ++pass) {
+void separate_where_touching(TriangleSoup& soup) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     cancel(soup);
-    part(soup);
+    separate_fans(soup);
     if (remove_needles(soup) == 0) break;
   }
   split_common_edges(soup);

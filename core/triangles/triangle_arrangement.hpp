@@ -15,6 +15,6 @@ TriangleSoup outer_boundary(const TriangleSoup& solids, const TriangleSoup& cavi
 
 /// Cleans the result: removes needles and triangles that are there in both senses, and separates the surface where more
 /// than two triangles meet at an edge, such that neighbours have body between them.
-void part_where_touching(TriangleSoup& soup);
+void separate_where_touching(TriangleSoup& soup);
 
 }  // namespace cgcontact

@@ -24,12 +24,12 @@ constexpr double no_height = 1e-12;
 /// Fraction of the diagonal: points of one shell nearer than this to another one are on it.
 constexpr double near_shell = 1e-9;
 /// Triangles of a shell that are asked whether they are inside another one.
-constexpr std::size_t most_samples = 1000;
+constexpr std::size_t max_samples = 1000;
 /// Over the surface in search of such triangles; those next to each other need several.
-constexpr int most_passes = 20;
+constexpr int max_passes = 20;
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem, const std::string& allowed) {
-  throw InputError(SourcePlace{file, 0, ""}, "", problem, allowed);
+  throw InputError(SourceLocation{file, 0, ""}, "", problem, allowed);
 }
 
 std::string as_text(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]); }
@@ -120,22 +120,22 @@ int remove_needles(TriangleSoup& soup) {
 
 namespace {
 
-std::string edge_place(const TriangleSoup& soup, const EdgeUse& use) {
+std::string edge_location(const TriangleSoup& soup, const EdgeUse& use) {
   const Triangle& t = soup.triangles[use.triangle];
   return fmt::format("from {} to {}, {}", as_text(soup.points[t[use.corner]]),
-                     as_text(soup.points[t[(use.corner + 1) % 3]]), soup.place(use.triangle));
+                     as_text(soup.points[t[(use.corner + 1) % 3]]), soup.location(use.triangle));
 }
 
 void check_edges(const TriangleSoup& soup, const std::string& file) {
   int open = 0, crowded = 0, inconsistent = 0;
   std::string first_open, first_crowded, first_inconsistent;
   each_edge(soup.triangles, soup.points.size(), [&](const std::vector<EdgeUse>& uses) {
-    if (uses.size() == 1 && open++ == 0) first_open = edge_place(soup, uses[0]);
+    if (uses.size() == 1 && open++ == 0) first_open = edge_location(soup, uses[0]);
     if (uses.size() > 2 && crowded++ == 0)
-      first_crowded = fmt::format("{} triangles at the edge {}", uses.size(), edge_place(soup, uses[0]));
+      first_crowded = fmt::format("{} triangles at the edge {}", uses.size(), edge_location(soup, uses[0]));
     const auto start = [&](const EdgeUse& use) { return soup.triangles[use.triangle][use.corner]; };
     if (uses.size() == 2 && start(uses[0]) == start(uses[1]) && inconsistent++ == 0)
-      first_inconsistent = fmt::format("{} and {}", soup.place(uses[0].triangle), soup.place(uses[1].triangle));
+      first_inconsistent = fmt::format("{} and {}", soup.location(uses[0].triangle), soup.location(uses[1].triangle));
   });
   if (open > 0)
     fail(file,
@@ -181,11 +181,12 @@ void turn(TriangleSoup& soup) {
 }
 
 /// Returns whether one shell is inside another one, by some of its triangles' centroids, of which those on the other
-/// shell do not count; throws if they disagree, or none counts. `place`: a triangle of each in the soup.
-bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const TriangleSoup& soup, int place,
-               int other_place, const std::string& file) {
+/// shell do not count; throws if they disagree, or none counts. `own_triangle`, `other_triangle`: one of each in the
+/// soup.
+bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const TriangleSoup& soup, int own_triangle,
+               int other_triangle, const std::string& file) {
   const double distance = near_shell * soup.diagonal();
-  const std::size_t count = shell.triangles().size(), stride = 1 + count / most_samples;
+  const std::size_t count = shell.triangles().size(), stride = 1 + count / max_samples;
   int inside = 0, outside = 0, on_it = 0;
   for (std::size_t t = 0; t < count; t += stride) {
     const int triangle = static_cast<int>(t);
@@ -194,8 +195,8 @@ bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const
   }
   if (on_it > 0 || (inside > 0) == (outside > 0))
     fail(file,
-         fmt::format("two shells overlap or lie on each other: the one with {} and the one with {}", soup.place(place),
-                     soup.place(other_place)),
+         fmt::format("two shells overlap or lie on each other: the one with {} and the one with {}",
+                     soup.location(own_triangle), soup.location(other_triangle)),
          "shells apart from each other or wholly inside, united in the CAD program or as bodies of their own");
   return inside > 0;
 }
@@ -203,31 +204,31 @@ bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const
 /// Turns the surface outwards if all of it points inwards; refuses shells that disagree.
 void orient(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs) {
   const std::vector<int> shell = find_shells(soup, repairs.shells);
-  std::vector<TriangleSoup> parts(repairs.shells);
+  std::vector<TriangleSoup> soups(repairs.shells);
   std::vector<int> first(repairs.shells, -1);
   for (std::size_t t = 0; t < shell.size(); ++t) {
-    parts[shell[t]].triangles.push_back(soup.triangles[t]);
+    soups[shell[t]].triangles.push_back(soup.triangles[t]);
     if (first[shell[t]] < 0) first[shell[t]] = static_cast<int>(t);
   }
   std::vector<char> inward;
   std::vector<TriangleSurface> surfaces;
-  for (TriangleSoup& part : parts) {
+  for (TriangleSoup& own : soups) {
     if (repairs.shells > 1) {  // its own points only
       std::vector<Vec3> points;
-      for (Triangle& t : part.triangles)
+      for (Triangle& t : own.triangles)
         for (int& p : t) {
           points.push_back(soup.points[p]);
           p = static_cast<int>(points.size()) - 1;
         }
-      part.points = std::move(points);
-      merge_equal_points(part);
+      own.points = std::move(points);
+      merge_equal_points(own);
     } else {
-      part.points = soup.points;
+      own.points = soup.points;
     }
-    inward.push_back(signed_volume(part) < 0);
-    if (inward.back()) turn(part);
+    inward.push_back(signed_volume(own) < 0);
+    if (inward.back()) turn(own);
     if (repairs.shells > 1)
-      surfaces.emplace_back(part.points, part.triangles, std::vector<int>(part.triangles.size(), 0),
+      surfaces.emplace_back(own.points, own.triangles, std::vector<int>(own.triangles.size(), 0),
                             std::vector<std::string>{""});
   }
   std::vector<Eigen::AlignedBox3d> boxes(surfaces.size());
@@ -248,7 +249,7 @@ void orient(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs
     const auto bad = std::find(wrong.begin(), wrong.end(), char{1}) - wrong.begin();
     fail(file,
          fmt::format("{} of {} shells {} inside out: the one with {}", count, repairs.shells, count > 1 ? "are" : "is",
-                     soup.place(first[bad])),
+                     soup.location(first[bad])),
          "normals out of the material: inwards only in cavities");
   }
   turn(soup);
@@ -260,7 +261,7 @@ void check_crossings(const TriangleSoup& soup, const std::string& file) {
   if (pairs.empty()) return;
   fail(file,
        fmt::format("the surface crosses itself: {} pair{} of triangles, the first {} and {}", pairs.size(),
-                   pairs.size() > 1 ? "s" : "", soup.place(pairs[0].first), soup.place(pairs[0].second)),
+                   pairs.size() > 1 ? "s" : "", soup.location(pairs[0].first), soup.location(pairs[0].second)),
        "triangles that meet at common edges and corners only");
 }
 
@@ -271,12 +272,12 @@ void check_finite(const TriangleSoup& soup, const std::string& file) {
 
 /// Everything but the merging of points.
 void check_merged(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs) {
-  for (int gone = 1, pass = 0; gone > 0 && pass < most_passes; repairs.zero_area += gone, ++pass)
+  for (int gone = 1, pass = 0; gone > 0 && pass < max_passes; repairs.zero_area += gone, ++pass)
     gone = remove_needles(soup);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     if (edge_of_needle(soup, soup.triangles[t]) >= 0)
       fail(file,
-           soup.place(static_cast<int>(t)) + " has no area, and its neighbours do not close the surface without it",
+           soup.location(static_cast<int>(t)) + " has no area, and its neighbours do not close the surface without it",
            "triangles with an area");
   if (soup.triangles.empty()) fail(file, "no triangle has an area", "a closed surface");
   check_edges(soup, file);
@@ -315,7 +316,7 @@ SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file) {
   return repairs;
 }
 
-SurfaceRepairs check_parted(TriangleSoup& soup, const std::string& file) {
+SurfaceRepairs check_separated(TriangleSoup& soup, const std::string& file) {
   SurfaceRepairs repairs;
   check_finite(soup, file);
   check_merged(soup, file, repairs);

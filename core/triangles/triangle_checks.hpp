@@ -26,7 +26,7 @@ struct SurfaceRepairs {
 SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file);
 
 /// Checks without merging points: those that coincide are meant to be several (shells that touch along an edge).
-SurfaceRepairs check_parted(TriangleSoup& soup, const std::string& file);
+SurfaceRepairs check_separated(TriangleSoup& soup, const std::string& file);
 
 /// Removes triangles whose corners lie on a line: the neighbour across the longest edge is divided at the corner
 /// between. Needles next to each other take several passes. Returns how many went.

@@ -84,14 +84,14 @@ NamedTriangles name_faces(const TriangleSoup& soup, const std::string& part,
     for (std::size_t t = 0; t < selected.size(); ++t) {
       if (!selected[t]) continue;
       if (result.face[t] >= 0)
-        throw InputError(selector.place, "\"" + selector.name + "\"",
+        throw InputError(selector.location, "\"" + selector.name + "\"",
                          "overlaps the face \"" + selectors[result.face[t]].name + "\": both select " +
-                             soup.place(static_cast<int>(t)),
+                             soup.location(static_cast<int>(t)),
                          "faces of a mesh have no triangle in common");
       result.face[t] = number;
     }
     if (std::find(selected.begin(), selected.end(), 1) == selected.end())
-      throw InputError(selector.place, "\"" + selector.name + "\"", "the face selects no triangle",
+      throw InputError(selector.location, "\"" + selector.name + "\"", "the face selects no triangle",
                        "triangles that meet all selectors given");
     result.names.push_back(part + "." + selector.name);
   }
@@ -105,7 +105,7 @@ NamedTriangles name_faces(const TriangleSoup& soup, const std::string& part,
 TriangleSurface make_surface(const TriangleSoup& soup, const NamedTriangles& faces, double crease_angle) {
   const std::vector<Vec3> normals = unit_normals(soup);
   const auto neighbours = edge_neighbours(soup.triangles, soup.points.size());
-  const double least_cosine = std::cos(crease_angle);
+  const double min_cosine = std::cos(crease_angle);
   std::vector<int> patch(soup.triangles.size(), -1);
   std::vector<std::string> names;
   for (std::size_t t = 0; t < patch.size(); ++t) {
@@ -115,7 +115,7 @@ TriangleSurface make_surface(const TriangleSoup& soup, const NamedTriangles& fac
     flood(
         neighbours, static_cast<int>(t),
         [&](int from, int to) {
-          return patch[to] < 0 && faces.face[to] == faces.face[t] && normals[from].dot(normals[to]) >= least_cosine;
+          return patch[to] < 0 && faces.face[to] == faces.face[t] && normals[from].dot(normals[to]) >= min_cosine;
         },
         [&](int reached) { patch[reached] = number; });
   }

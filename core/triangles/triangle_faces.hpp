@@ -31,7 +31,7 @@ struct TriangleSelector {
   };
   std::optional<Growth> smooth;
   std::optional<std::string> group;  ///< of the file
-  SourcePlace place;
+  SourceLocation location;
 };
 
 struct NamedTriangles {

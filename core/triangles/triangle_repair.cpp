@@ -35,11 +35,11 @@ using Mesh = CGAL::Surface_mesh<Point>;
 /// Fractions of the diagonal: distance of points on open edges that are made one; of corners of the result that
 /// rounding has separated; volume over area below which a shell has no thickness.
 constexpr double merge_distance = 1e-4, one_point = 1e-11, no_thickness = 1e-6;
-constexpr int most_passes = 5;
+constexpr int max_passes = 5;
 constexpr double half_a_pass = 0.5;  // of the shortest edge at a rim: merging closes gaps, not triangles
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem) {
-  throw InputError(SourcePlace{file, 0, ""}, "", "repair = true does not help: " + problem,
+  throw InputError(SourceLocation{file, 0, ""}, "", "repair = true does not help: " + problem,
                    "a closed surface: mend it in the program it is from");
 }
 
@@ -63,10 +63,10 @@ void turn_over(TriangleSoup& soup) {
   for (Triangle& t : soup.triangles) std::swap(t[1], t[2]);
 }
 
-void append(const TriangleSoup& part, TriangleSoup& soup) {
+void append(const TriangleSoup& added, TriangleSoup& soup) {
   const int first = static_cast<int>(soup.points.size());
-  soup.points.insert(soup.points.end(), part.points.begin(), part.points.end());
-  for (const Triangle& t : part.triangles) soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  soup.points.insert(soup.points.end(), added.points.begin(), added.points.end());
+  for (const Triangle& t : added.triangles) soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
 void drop_collapsed(TriangleSoup& soup) {
@@ -118,7 +118,7 @@ void close_with_fan(Mesh& mesh, Mesh::Halfedge_index rim) {
   mesh.point(target(spoke, mesh)) = Point(middle[0], middle[1], middle[2]);
 }
 
-/// The soup with neighbours oriented alike; non-manifold edges and corners are parted.
+/// The soup with neighbours oriented alike; non-manifold edges and corners are separated.
 struct OrientedMesh {
   Mesh mesh;
   std::vector<char> turned;  ///< of every triangle of the soup: was oriented the other way in the file
@@ -164,7 +164,7 @@ int fill_holes(Mesh& mesh, const std::string& file) {
 }
 
 /// Divides a closed mesh into shells, each oriented as most of it was in the file. `turned`: of the first triangles.
-std::vector<Shell> part_shells(Mesh& mesh, const std::vector<char>& turned, SurfaceRepair& repair) {
+std::vector<Shell> separate_shells(Mesh& mesh, const std::vector<char>& turned, SurfaceRepair& repair) {
   auto number = mesh.add_property_map<Mesh::Face_index, std::size_t>("f:shell", 0).first;
   std::vector<Shell> shells(pmp::connected_components(mesh, number));
   std::vector<std::array<int, 2>> ways(shells.size(), {0, 0});
@@ -184,8 +184,8 @@ std::vector<Shell> part_shells(Mesh& mesh, const std::vector<char>& turned, Surf
       t[k++] = point_number[v];
     }
     shell.soup.triangles.push_back(t);
-    const auto place = static_cast<std::size_t>(f.idx());
-    if (place < turned.size()) ++ways[number[f]][static_cast<std::size_t>(turned[place])];
+    const auto index = static_cast<std::size_t>(f.idx());
+    if (index < turned.size()) ++ways[number[f]][static_cast<std::size_t>(turned[index])];
   }
   for (std::size_t s = 0; s < shells.size(); ++s) {
     Shell& shell = shells[s];
@@ -201,7 +201,7 @@ std::vector<Shell> part_shells(Mesh& mesh, const std::vector<char>& turned, Surf
 std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& file, SurfaceRepair& repair) {
   OrientedMesh oriented = orient(soup, file);
   repair.holes = fill_holes(oriented.mesh, file);
-  return part_shells(oriented.mesh, oriented.turned, repair);
+  return separate_shells(oriented.mesh, oriented.turned, repair);
 }
 
 /// Shells as one list of triangles.
@@ -252,14 +252,14 @@ TriangleSoup unite(const std::vector<const Shell*>& solids, const std::vector<co
   turn_over(hollows);
   int shells = 0;
   double distance = one_point * size;
-  for (int pass = 0; pass < most_passes; ++pass, distance *= 10) {
+  for (int pass = 0; pass < max_passes; ++pass, distance *= 10) {
     body = outer_boundary(outer, hollows, distance);
     shells = drop_flat_shells(size, body);
     if (body.triangles.empty()) break;
     outer = body;
     hollows = {};
     try {
-      check_parted(outer, file);
+      check_separated(outer, file);
       break;
     } catch (const InputError&) {  // what the check has removed stays away
     }
@@ -379,7 +379,7 @@ SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file) {
   bool crowded = false;
   each_edge(soup.triangles, soup.points.size(),
             [&](const std::vector<EdgeUse>& uses) { crowded = crowded || uses.size() > 2; });
-  if (crowded) part_where_touching(soup);
+  if (crowded) separate_where_touching(soup);
   if (soup.triangles.empty()) fail(file, "nothing is left of it");
   repair.volume_after = signed_volume(soup);
   repair.area_after = area(soup);

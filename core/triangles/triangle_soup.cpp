@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-std::string TriangleSoup::place(int triangle) const {
+std::string TriangleSoup::location(int triangle) const {
   const Triangle& t = triangles[triangle];
   const Vec3 x = (points[t[0]] + points[t[1]] + points[t[2]]) / 3;
   const int given = number.empty() ? triangle + 1 : number[triangle];

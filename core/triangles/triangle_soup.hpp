@@ -22,7 +22,7 @@ struct TriangleSoup {
   std::vector<FacetGroup> groups = {};  ///< several may have one name, or a facet in common
 
   /// Names "triangle 7 (line 52) at (x, y, z)": number, line if known, centroid.
-  std::string place(int triangle) const;
+  std::string location(int triangle) const;
   bool is_in_group(int triangle, const std::string& name) const;
   /// Keeps the triangles whose entry is not zero.
   void keep(const std::vector<char>& kept);

@@ -120,12 +120,12 @@ TriangleSurface::Foot TriangleSurface::nearest(const Vec3& x, int patch, double 
 /// Angle-weighted mean of the normals of the patch around a corner.
 Vec3 TriangleSurface::corner_normal(int triangle, int k) const {
   const int point = topology_->triangles[triangle][k];
-  const auto place = [&](int t) {
+  const auto corner_index = [&](int t) {
     const Triangle& corners = topology_->triangles[t];
     return static_cast<int>(std::find(corners.begin(), corners.end(), point) - corners.begin());
   };
   const auto weighted = [&](int t) {
-    const int i = place(t);
+    const int i = corner_index(t);
     const Vec3& x = corner(t, i);
     return Vec3(angle_between(corner(t, (i + 1) % 3) - x, corner(t, (i + 2) % 3) - x) * normals_[t]);
   };
@@ -135,10 +135,11 @@ Vec3 TriangleSurface::corner_normal(int triangle, int k) const {
   };
   Vec3 sum = weighted(triangle);
   int now = joined(triangle, k);
-  for (; now >= 0 && now != triangle; now = joined(now, place(now))) sum += weighted(now);
+  for (; now >= 0 && now != triangle; now = joined(now, corner_index(now))) sum += weighted(now);
   if (now == triangle) return sum;
   // The patch ends on that side: go round the other way.
-  for (now = joined(triangle, (k + 2) % 3); now >= 0; now = joined(now, (place(now) + 2) % 3)) sum += weighted(now);
+  for (now = joined(triangle, (k + 2) % 3); now >= 0; now = joined(now, (corner_index(now) + 2) % 3))
+    sum += weighted(now);
   return sum;
 }
 

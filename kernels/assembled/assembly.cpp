@@ -16,7 +16,7 @@ using GhostMatrixView = Kokkos::View<double[12][12], Kokkos::LayoutRight, MemSpa
 using Policy = Kokkos::RangePolicy<ExecSpace>;
 
 /// Turns counts in list(0 .. n - 1) into offsets: list(i) = sum of the counts before i, list(n) = the sum of all.
-void count_to_place(const ExecSpace& exec, const char* label, const SizeView& list) {
+void counts_to_offsets(const ExecSpace& exec, const char* label, const SizeView& list) {
   Kokkos::parallel_scan(
       label, Policy(exec, 0, list.extent(0)), KOKKOS_LAMBDA(const int i, std::size_t& sum, const bool is_final) {
         const std::size_t count = list(i);
@@ -46,7 +46,7 @@ ItemsOfNodes items_of_nodes(const ExecSpace& exec, const Nodes& nodes, int first
       "cgcontact::assembly::count_items", Policy(exec, 0, size), KOKKOS_LAMBDA(const int item) {
         for (int a = 0; a < corners; ++a) Kokkos::atomic_fetch_add(&begin(nodes(item, a) - first_node), std::size_t(1));
       });
-  count_to_place(exec, "cgcontact::assembly::place_items", begin);
+  counts_to_offsets(exec, "cgcontact::assembly::place_items", begin);
   const SizeView next("cgcontact::assembly::next_item", num_nodes + 1);
   Kokkos::deep_copy(exec, next, begin);
   const IntView items(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::assembly::items"),
@@ -69,7 +69,7 @@ ItemsOfNodes items_of_nodes(const ExecSpace& exec, const Nodes& nodes, int first
 }
 
 /// Rows that one body adds to.
-struct BodyParts {
+struct BodyConnectivity {
   int first_node = 0, num_nodes = 0;
   CellNodesView nodes_of_cell;  ///< in the order of the cells
   IntView matrix_of_cell;
@@ -78,18 +78,18 @@ struct BodyParts {
   ItemsOfNodes cells, faces;
 };
 
-BodyParts parts_of_body(const ExecSpace& exec, const BodyMesh& mesh) {
-  BodyParts parts;
-  parts.first_node = mesh.first_node;
-  parts.num_nodes = mesh.num_nodes;
-  parts.nodes_of_cell = copy_rows_to_view<CellNodesView>("cgcontact::assembly::nodes_of_cell", mesh.cell_nodes);
-  parts.matrix_of_cell = copy_to_view<IntView>("cgcontact::assembly::matrix_of_cell", mesh.cut_cells->cut_of_active);
+BodyConnectivity connectivity_of(const ExecSpace& exec, const BodyMesh& mesh) {
+  BodyConnectivity result;
+  result.first_node = mesh.first_node;
+  result.num_nodes = mesh.num_nodes;
+  result.nodes_of_cell = copy_rows_to_view<CellNodesView>("cgcontact::assembly::nodes_of_cell", mesh.cell_nodes);
+  result.matrix_of_cell = copy_to_view<IntView>("cgcontact::assembly::matrix_of_cell", mesh.cut_cells->cut_of_active);
   const ColouredMesh coloured = colour_mesh(mesh);
-  parts.nodes_of_face = coloured.nodes_of_face;
-  parts.ring_of_face = coloured.ring_of_face;
-  parts.cells = items_of_nodes(exec, parts.nodes_of_cell, mesh.first_node, mesh.num_nodes);
-  parts.faces = items_of_nodes(exec, parts.nodes_of_face, mesh.first_node, mesh.num_nodes);
-  return parts;
+  result.nodes_of_face = coloured.nodes_of_face;
+  result.ring_of_face = coloured.ring_of_face;
+  result.cells = items_of_nodes(exec, result.nodes_of_cell, mesh.first_node, mesh.num_nodes);
+  result.faces = items_of_nodes(exec, result.nodes_of_face, mesh.first_node, mesh.num_nodes);
+  return result;
 }
 
 /// Returns the index of a DoF among those that the contact groups touch, or -1.
@@ -145,11 +145,11 @@ KOKKOS_INLINE_FUNCTION int insert(int* list, int length, int number) {
   return length + 1;
 }
 
-NodeGraph make_graph(const ExecSpace& exec, const std::vector<BodyParts>& bodies, const GroupRows& groups,
+NodeGraph make_graph(const ExecSpace& exec, const std::vector<BodyConnectivity>& bodies, const GroupRows& groups,
                      int num_nodes) {
   // Room for all that may come, each node's columns in a range of their own.
   const SizeView room("cgcontact::assembly::room", num_nodes + 1), begin("cgcontact::assembly::begin", num_nodes + 1);
-  for (const BodyParts& body : bodies) {
+  for (const BodyConnectivity& body : bodies) {
     const SizeView cells = body.cells.begin, faces = body.faces.begin;
     const int first = body.first_node;
     Kokkos::parallel_for(
@@ -159,9 +159,9 @@ NodeGraph make_graph(const ExecSpace& exec, const std::vector<BodyParts>& bodies
           room(first + n) = most;
         });
   }
-  count_to_place(exec, "cgcontact::assembly::place_room", room);
+  counts_to_offsets(exec, "cgcontact::assembly::place_room", room);
   const IntView all(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::assembly::all_columns"), last_of(room));
-  for (const BodyParts& body : bodies) {
+  for (const BodyConnectivity& body : bodies) {
     const ItemsOfNodes cells = body.cells, faces = body.faces;
     const CellNodesView nodes_of_cell = body.nodes_of_cell;
     const FaceNodesView nodes_of_face = body.nodes_of_face;
@@ -180,7 +180,7 @@ NodeGraph make_graph(const ExecSpace& exec, const std::vector<BodyParts>& bodies
           begin(first + n) = length;
         });
   }
-  count_to_place(exec, "cgcontact::assembly::place_columns", begin);
+  counts_to_offsets(exec, "cgcontact::assembly::place_columns", begin);
   const IntView column(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::assembly::columns"), last_of(begin));
   Kokkos::parallel_for(
       "cgcontact::assembly::compress", Policy(exec, 0, num_nodes), KOKKOS_LAMBDA(const int n) {
@@ -194,13 +194,13 @@ struct RowValues {
   NodeGraph graph;
   typename LocalMatrix::values_type value;
 
-  KOKKOS_INLINE_FUNCTION double& at(int node, std::size_t place, int i, int j) const {
+  KOKKOS_INLINE_FUNCTION double& at(int node, std::size_t slot, int i, int j) const {
     const std::size_t begin = graph.begin(node), length = graph.begin(node + 1) - begin;
-    return value(9 * begin + 3 * (i * length + (place - begin)) + j);
+    return value(9 * begin + 3 * (i * length + (slot - begin)) + j);
   }
 };
 
-void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView& matrices,
+void add_body(const ExecSpace& exec, const BodyConnectivity& body, const CellMatrixView& matrices,
               const GhostMatrixView& ghost, const RowValues& rows) {
   const ItemsOfNodes cells = body.cells, faces = body.faces;
   const CellNodesView nodes_of_cell = body.nodes_of_cell;
@@ -216,9 +216,9 @@ void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView
           int r = 0;
           while (nodes_of_cell(cell, r) != node) ++r;
           for (int c = 0; c < 8; ++c) {
-            const std::size_t place = rows.graph.find(node, nodes_of_cell(cell, c));
+            const std::size_t slot = rows.graph.find(node, nodes_of_cell(cell, c));
             for (int i = 0; i < 3; ++i)
-              for (int j = 0; j < 3; ++j) rows.at(node, place, i, j) += matrices(m, dof_of(r, i), dof_of(c, j));
+              for (int j = 0; j < 3; ++j) rows.at(node, slot, i, j) += matrices(m, dof_of(r, i), dof_of(c, j));
           }
         }
         for (std::size_t k = faces.begin(n); k < faces.begin(n + 1); ++k) {
@@ -226,8 +226,8 @@ void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView
           int r = 0;
           while (nodes_of_face(face, r) != node) ++r;
           for (int c = 0; c < 12; ++c) {
-            const std::size_t place = rows.graph.find(node, nodes_of_face(face, c));
-            for (int i = 0; i < 3; ++i) rows.at(node, place, i, i) += ring_of_face(face) * ghost(r, c);
+            const std::size_t slot = rows.graph.find(node, nodes_of_face(face, c));
+            for (int i = 0; i < 3; ++i) rows.at(node, slot, i, i) += ring_of_face(face) * ghost(r, c);
           }
         }
       });
@@ -291,16 +291,16 @@ Teuchos::RCP<TpetraMatrix> constrained(const ElasticSystem& system, const Tpetra
 
 Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map) {
   const ExecSpace exec;
-  std::vector<BodyParts> bodies;
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (const BodyMesh* part : parts) bodies.push_back(parts_of_body(exec, *part));
+  std::vector<BodyConnectivity> bodies;
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (const BodyMesh* level : levels) bodies.push_back(connectivity_of(exec, *level));
   // Without any group the views of the groups are empty ones.
   const NodeGraph graph = make_graph(exec, bodies, system.groups, system.num_nodes);
   const std::size_t blocks = graph.column.extent(0);
   const RowValues rows{graph, typename LocalMatrix::values_type("cgcontact::assembly::value", 9 * blocks)};
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    add_body(exec, bodies[b], make_cell_matrices(*parts[b], system.supports[b]),
-             ghost_matrix_of(*parts[b], system.ghost_penalty), rows);
+    add_body(exec, bodies[b], make_cell_matrices(*levels[b], system.supports[b]),
+             ghost_matrix_of(*levels[b], system.ghost_penalty), rows);
   add_groups(exec, system.groups, rows);
 
   const int num_rows = system.num_dofs();

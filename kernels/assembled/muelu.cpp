@@ -12,8 +12,8 @@ using Teuchos::rcp;
 RCP<TpetraVector> node_positions(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
   auto x = rcp(new TpetraVector(system.dofs.node_map(map->getComm()), 3));
   auto view = x->getLocalViewHost(Tpetra::Access::OverwriteAll);
-  for (const BodyMesh* part : system.parts()) {
-    const BodyMesh& mesh = *part;
+  for (const BodyMesh* level : system.level_meshes()) {
+    const BodyMesh& mesh = *level;
     const Grid& grid = mesh.cut_cells->grid;
     for (int n = 0; n < mesh.num_nodes; ++n) {
       const Vec3 position = grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])) / mesh.length;
@@ -32,8 +32,8 @@ RCP<TpetraVector> rigid_body_modes(const ElasticSystem& system, const RCP<const 
   const auto position = [&](int n) { return Vec3(x(n, 0), x(n, 1), x(n, 2)); };
   Vec3 centre = Vec3::Zero();
   for (int n = 0; n < system.num_nodes; ++n) centre += position(n) / system.num_nodes;
-  for (const BodyMesh* part : system.parts()) {
-    const BodyMesh& mesh = *part;
+  for (const BodyMesh* level : system.level_meshes()) {
+    const BodyMesh& mesh = *level;
     const Mat3 to_local = mesh.cut_cells->grid.rotation.transpose();
     for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
       for (int m = 0; m < 3; ++m) {

@@ -91,16 +91,16 @@ void DofMap::set_constraints(const std::vector<NodeConstraint>& constraints) {
   std::vector<int> dependent(num_nodes_, 0);
   for (const NodeConstraint& c : constraints)
     for (const auto& [master, weight] : c.masters) ++dependent[master];
-  std::vector<std::array<int, 2>> twins;
+  std::vector<std::array<int, 2>> across_nodes;
   std::vector<NodeConstraint> sums;
   for (const NodeConstraint& c : constraints) {
     const auto& [master, weight] = c.masters.front();
     if (c.masters.size() == 1 && weight == 1 && dependent[master] == 1)
-      twins.push_back({master, c.node});
+      across_nodes.push_back({master, c.node});
     else
       sums.push_back(c);
   }
-  if (!twins.empty()) twins_ = copy_rows_to_view<TwinsView>("cgcontact::dof_map::twins", twins);
+  if (!across_nodes.empty()) across_nodes_ = copy_rows_to_view<AcrossNodesView>("cgcontact::dof_map::across_nodes", across_nodes);
   if (!sums.empty()) sums_ = make_rows(sums);
 }
 

@@ -46,7 +46,7 @@ struct ConstraintRows {
 };
 
 /// (pair, master and constrained node)
-using TwinsView = Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace>;
+using AcrossNodesView = Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace>;
 
 class DofMap {
  public:
@@ -60,12 +60,12 @@ class DofMap {
   explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {},
                   const std::vector<int>& zero_dofs = {}, std::shared_ptr<const Halo> halo = nullptr);
 
-  int num_constrained_nodes() const { return static_cast<int>(twins_.extent(0)) + sums_.num_nodes(); }
+  int num_constrained_nodes() const { return static_cast<int>(across_nodes_.extent(0)) + sums_.num_nodes(); }
   int num_nodes() const { return num_nodes_; }
   int num_dofs() const { return dof_of(num_nodes_); }
   /// Return the two kinds of constraints: nodes that equal a master which no other node depends on (across a body in
   /// plane strain, half of all nodes), and the others.
-  const TwinsView& twins() const { return twins_; }
+  const AcrossNodesView& across_nodes() const { return across_nodes_; }
   const ConstraintRows& sums() const { return sums_; }
   const IntView& zero_dofs() const { return zero_dofs_; }
   /// Returns the halo of other ranks' nodes, nullptr: none.
@@ -79,7 +79,7 @@ class DofMap {
   void set_constraints(const std::vector<NodeConstraint>& constraints);
 
   int num_nodes_ = 0;
-  TwinsView twins_;
+  AcrossNodesView across_nodes_;
   ConstraintRows sums_;
   IntView zero_dofs_;
   std::shared_ptr<const Halo> halo_;
@@ -102,11 +102,11 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
     import_ghosts(*dofs.halo(), x.data());
   }
   set_to_zero(exec, dofs.zero_dofs(), x);
-  const TwinsView twins = dofs.twins();
-  if (twins.extent(0) > 0)
+  const AcrossNodesView across_nodes = dofs.across_nodes();
+  if (across_nodes.extent(0) > 0)
     Kokkos::parallel_for(
-        "cgcontact::dof_map::twins", Kokkos::RangePolicy<Exec>(exec, 0, twins.extent(0)), KOKKOS_LAMBDA(const int t) {
-          for (int i = 0; i < dofs_per_node; ++i) x(dof_of(twins(t, 1), i)) = x(dof_of(twins(t, 0), i));
+        "cgcontact::dof_map::across_nodes", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)), KOKKOS_LAMBDA(const int t) {
+          for (int i = 0; i < dofs_per_node; ++i) x(dof_of(across_nodes(t, 1), i)) = x(dof_of(across_nodes(t, 0), i));
         });
   const ConstraintRows rows = dofs.sums();
   if (rows.num_nodes() == 0) return;
@@ -141,14 +141,14 @@ void zero_others(const Exec& exec, const DofMap& dofs, const Y& y) {
 /// of other ranks. No atomics: each master gathers.
 template <class Exec, class Y>
 void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y& y) {
-  const TwinsView twins = dofs.twins();
-  if (twins.extent(0) > 0)
+  const AcrossNodesView across_nodes = dofs.across_nodes();
+  if (across_nodes.extent(0) > 0)
     Kokkos::parallel_for(
-        "cgcontact::dof_map::twins_transposed", Kokkos::RangePolicy<Exec>(exec, 0, twins.extent(0)),
+        "cgcontact::dof_map::across_nodes_transposed", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)),
         KOKKOS_LAMBDA(const int t) {
           for (int i = 0; i < dofs_per_node; ++i) {
-            y(dof_of(twins(t, 0), i)) += y(dof_of(twins(t, 1), i));
-            y(dof_of(twins(t, 1), i)) = 0;
+            y(dof_of(across_nodes(t, 0), i)) += y(dof_of(across_nodes(t, 1), i));
+            y(dof_of(across_nodes(t, 1), i)) = 0;
           }
         });
   const ConstraintRows rows = dofs.sums();

@@ -16,13 +16,13 @@ double dot(const Exec& exec, const X& x, const Y& y) {
       Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::dot"), num_blocks);
   Kokkos::parallel_for(
       "cgcontact::dot", Kokkos::RangePolicy<Exec>(exec, 0, num_blocks), KOKKOS_LAMBDA(const int b) {
-        double part[lanes] = {}, sum = 0;
+        double lane_sums[lanes] = {}, sum = 0;
         const int end = n < (b + 1) * block ? n : (b + 1) * block;
         int i = b * block;
         for (; i + lanes <= end; i += lanes)
-          for (int l = 0; l < lanes; ++l) part[l] += static_cast<double>(x(i + l)) * y(i + l);
+          for (int l = 0; l < lanes; ++l) lane_sums[l] += static_cast<double>(x(i + l)) * y(i + l);
         for (; i < end; ++i) sum += static_cast<double>(x(i)) * y(i);
-        for (int l = 0; l < lanes; ++l) sum += part[l];
+        for (int l = 0; l < lanes; ++l) sum += lane_sums[l];
         sums(b) = sum;
       });
   const auto host = Kokkos::create_mirror_view(sums);

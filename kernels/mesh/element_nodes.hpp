@@ -11,8 +11,8 @@ namespace cgcontact {
 
 template <int degree>
 struct ElementNodes {
-  GridNumbers numbers;         ///< of the lattice's positions: indices into places
-  std::vector<Index3> places;  ///< of each node on the lattice, by k, j, i
+  GridNumbers numbers;            ///< of the lattice's positions: indices into positions
+  std::vector<Index3> positions;  ///< of each node on the lattice, by k, j, i
   std::vector<std::array<int, HexElement<degree>::num_nodes>> of_cell;  ///< first_node + index, of each active cell
 };
 
@@ -36,8 +36,8 @@ ElementNodes<degree> number_element_nodes(const CutCells& cells, int first_node,
           for (int j = 0; j <= degree; ++j) nodes.numbers.insert_row(corner(cell, j, k), degree + 1);
     nodes.numbers.number();
   }
-  nodes.places.reserve(nodes.numbers.size());
-  nodes.numbers.each([&](const Index3& place) { nodes.places.push_back(place); });
+  nodes.positions.reserve(nodes.numbers.size());
+  nodes.numbers.each([&](const Index3& position) { nodes.positions.push_back(position); });
   nodes.of_cell.resize(cells.cells.size());
   for (std::size_t e = 0; e < cells.cells.size(); ++e)
     for (int k = 0; k <= degree; ++k)

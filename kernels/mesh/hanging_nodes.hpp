@@ -16,7 +16,7 @@ int halvings(const Grid& larger, const Grid& smaller);
 ///   a node on an edge or a face of a larger cell is the mean of that edge's or face's corners;
 ///   a node of a virtual child is interpolated in the larger cell;
 ///   on a quadtree (Grid::slice) a node of the upper side is what the one opposite is.
-std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts);
+std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& levels);
 
 /// Constrains a body of one layer of cells across an axis of its grid (Grid::plane_strain): each node of the upper side
 /// is the one opposite, ascending in node. Throws std::logic_error if there are more layers.

@@ -77,7 +77,7 @@ struct HexElement {
   using Gauss = std::conditional_t<degree == 1, Gauss3, Gauss5>;
 
   /// Returns the index of a node along direction d, 0 .. degree.
-  KOKKOS_INLINE_FUNCTION static constexpr int place(int node, int d) {
+  KOKKOS_INLINE_FUNCTION static constexpr int index_along(int node, int d) {
     return (d == 0 ? node : d == 1 ? node / nodes_per_line : node / nodes_per_face) % nodes_per_line;
   }
   KOKKOS_INLINE_FUNCTION static constexpr int node(int i, int j, int k) {
@@ -88,7 +88,8 @@ struct HexElement {
   KOKKOS_INLINE_FUNCTION static void shape(const double xi[3], double N[num_nodes]) {
     double l[3][nodes_per_line];
     for (int d = 0; d < 3; ++d) LineElement<degree>::shape(xi[d], l[d]);
-    for (int a = 0; a < num_nodes; ++a) N[a] = l[0][place(a, 0)] * l[1][place(a, 1)] * l[2][place(a, 2)];
+    for (int a = 0; a < num_nodes; ++a)
+      N[a] = l[0][index_along(a, 0)] * l[1][index_along(a, 1)] * l[2][index_along(a, 2)];
   }
 
   /// Computes dN[num_nodes][3] at xi, derivatives with respect to grid coordinates (cell units).
@@ -99,7 +100,7 @@ struct HexElement {
       LineElement<degree>::derivative(xi[d], g[d]);
     }
     for (int a = 0; a < num_nodes; ++a) {
-      const int i = place(a, 0), j = place(a, 1), k = place(a, 2);
+      const int i = index_along(a, 0), j = index_along(a, 1), k = index_along(a, 2);
       dN[a][0] = g[0][i] * l[1][j] * l[2][k];
       dN[a][1] = g[1][j] * l[0][i] * l[2][k];
       dN[a][2] = g[2][k] * l[0][i] * l[1][j];

@@ -28,11 +28,11 @@ BodyMesh empty_mesh(const CutCells& cut_cells, const Material& material, const S
 
 /// Finds the faces of a level towards cells of twice the size, of one of the levels before it (or of the same size,
 /// which levels have on coarse grids of multigrid).
-std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std::size_t own) {
+std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& levels, std::size_t own) {
   std::vector<LevelFace> faces;
-  const CutCells& cells = parts[own];
+  const CutCells& cells = levels[own];
   for (std::size_t larger = 0; larger < own; ++larger) {
-    const int steps = halvings(parts[larger].grid, cells.grid);
+    const int steps = halvings(levels[larger].grid, cells.grid);
     if (steps > 1) continue;
     for (int e = 0; e < static_cast<int>(cells.cells.size()); ++e)
       for (int d = 0; d < 3; ++d)
@@ -40,8 +40,8 @@ std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std:
           Index3 across = cells.cells[e];
           across[d] += side;
           if (cells.find(across) >= 0) continue;
-          const int other = parts[larger].find({across[0] >> steps, across[1] >> steps, across[2] >> steps});
-          if (other < 0 || !(badly_filled(cells, e) || badly_filled(parts[larger], other))) continue;
+          const int other = levels[larger].find({across[0] >> steps, across[1] >> steps, across[2] >> steps});
+          if (other < 0 || !(badly_filled(cells, e) || badly_filled(levels[larger], other))) continue;
           faces.push_back({e, side < 0 ? across : cells.cells[e], d});
         }
   }
@@ -49,12 +49,12 @@ std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std:
 }
 
 /// Joins the lists of all levels in turn.
-void join_parts(BodyMesh& mesh) {
+void join_levels(BodyMesh& mesh) {
   int level = 0;
-  for (const BodyMesh& part : mesh.parts) {
-    mesh.nodes.insert(mesh.nodes.end(), part.nodes.begin(), part.nodes.end());
-    mesh.node_levels.insert(mesh.node_levels.end(), part.num_nodes, static_cast<signed char>(level++));
-    mesh.cell_nodes.insert(mesh.cell_nodes.end(), part.cell_nodes.begin(), part.cell_nodes.end());
+  for (const BodyMesh& level_mesh : mesh.level_meshes) {
+    mesh.nodes.insert(mesh.nodes.end(), level_mesh.nodes.begin(), level_mesh.nodes.end());
+    mesh.node_levels.insert(mesh.node_levels.end(), level_mesh.num_nodes, static_cast<signed char>(level++));
+    mesh.cell_nodes.insert(mesh.cell_nodes.end(), level_mesh.cell_nodes.begin(), level_mesh.cell_nodes.end());
   }
 }
 
@@ -75,11 +75,11 @@ bool is_ghost_face(const BodyMesh& mesh, int e, int f) {
   return badly_filled(*mesh.cut_cells, e) || badly_filled(*mesh.cut_cells, f);
 }
 
-std::vector<Index3> virtual_cells(const BodyMesh& part) {
+std::vector<Index3> virtual_cells(const BodyMesh& level_mesh) {
   std::vector<Index3> cells;
-  for (const LevelFace& face : part.level_faces) {
+  for (const LevelFace& face : level_mesh.level_faces) {
     cells.push_back(face.lower);
-    if (face.lower == part.cut_cells->cells[face.cell]) ++cells.back()[face.direction];
+    if (face.lower == level_mesh.cut_cells->cells[face.cell]) ++cells.back()[face.direction];
   }
   return cells;
 }
@@ -87,31 +87,32 @@ std::vector<Index3> virtual_cells(const BodyMesh& part) {
 BodyMesh number_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node,
                           bool joined) {
   BodyMesh mesh = empty_mesh(cut_cells, material, scales, first_node);
-  const auto number = [](BodyMesh& part) {
-    ElementNodes<1> nodes = number_element_nodes<1>(*part.cut_cells, part.first_node, virtual_cells(part));
-    part.num_nodes = static_cast<int>(nodes.numbers.size());
-    part.node_numbers = std::move(nodes.numbers);
-    part.nodes = std::move(nodes.places);
-    part.cell_nodes = std::move(nodes.of_cell);
+  const auto number = [](BodyMesh& level_mesh) {
+    ElementNodes<1> nodes =
+        number_element_nodes<1>(*level_mesh.cut_cells, level_mesh.first_node, virtual_cells(level_mesh));
+    level_mesh.num_nodes = static_cast<int>(nodes.numbers.size());
+    level_mesh.node_numbers = std::move(nodes.numbers);
+    level_mesh.nodes = std::move(nodes.positions);
+    level_mesh.cell_nodes = std::move(nodes.of_cell);
   };
-  if (cut_cells.parts.empty()) {
+  if (cut_cells.level_cells.empty()) {
     number(mesh);
     return mesh;
   }
-  for (std::size_t p = 0; p < cut_cells.parts.size(); ++p) {
-    mesh.parts.push_back(empty_mesh(cut_cells.parts[p], material, scales, first_node + mesh.num_nodes));
-    mesh.parts.back().level_faces = find_level_faces(cut_cells.parts, p);
-    number(mesh.parts.back());
-    mesh.num_nodes += mesh.parts.back().num_nodes;
+  for (std::size_t p = 0; p < cut_cells.level_cells.size(); ++p) {
+    mesh.level_meshes.push_back(empty_mesh(cut_cells.level_cells[p], material, scales, first_node + mesh.num_nodes));
+    mesh.level_meshes.back().level_faces = find_level_faces(cut_cells.level_cells, p);
+    number(mesh.level_meshes.back());
+    mesh.num_nodes += mesh.level_meshes.back().num_nodes;
   }
-  if (joined) join_parts(mesh);
+  if (joined) join_levels(mesh);
   return mesh;
 }
 
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
   BodyMesh mesh = number_body_mesh(cut_cells, material, scales, first_node, !cut_cells.cells.empty());
-  if (mesh.parts.empty() && !mesh.is_one_layer()) return mesh;
-  mesh.constraints = mesh.parts.empty() ? constrain_across(mesh) : constrain_nodes(mesh.parts);
+  if (mesh.level_meshes.empty() && !mesh.is_one_layer()) return mesh;
+  mesh.constraints = mesh.level_meshes.empty() ? constrain_across(mesh) : constrain_nodes(mesh.level_meshes);
   mesh.constraint_of_node.assign(mesh.num_nodes, -1);
   for (std::size_t c = 0; c < mesh.constraints.size(); ++c)
     mesh.constraint_of_node[mesh.constraints[c].node - first_node] = static_cast<int>(c);

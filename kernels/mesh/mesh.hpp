@@ -30,9 +30,9 @@ struct LevelFace {
 /// (x, y, z in grid axes), in units of Scales::length; node numbers run through all bodies (first_node .. first_node +
 /// num_nodes).
 ///
-/// A body of several levels has a mesh for each (`parts`), on a grid of one level, with its own numbers for all corners
-/// of its cells; the body's own lists are those of the levels in turn. Where levels meet, nodes are constrained: those
-/// that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane strain
+/// A body of several levels has a mesh for each (`level_meshes`), on a grid of one level, with its own numbers for all
+/// corners of its cells; the body's own lists are those of the levels in turn. Nodes are constrained where levels meet:
+/// those that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane strain
 /// (Grid::plane_strain) those of the upper side are.
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
@@ -44,7 +44,7 @@ struct BodyMesh {
   std::vector<Index3> nodes;                   ///< index of each active node in the grid of its level, by k, j, i
   GridNumbers node_numbers;                    ///< of the nodes of a body of one level: indices into nodes
   std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
-  std::vector<BodyMesh> parts;                 ///< of each level; empty: one level
+  std::vector<BodyMesh> level_meshes;          ///< of each level; empty: one level
   std::vector<signed char> node_levels;        ///< of each node; empty: 0
   std::vector<NodeConstraint> constraints;     ///< node numbers (all bodies), ascending in node; masters are free
   std::vector<int> constraint_of_node;         ///< of each node: index into constraints, -1: free; empty: all are free
@@ -61,8 +61,8 @@ struct BodyMesh {
   double stress_factor(int cell) const { return modulus / h(cell); }
   /// Returns the position of a node (index into nodes), grid coordinates.
   Vec3 node_position(int node) const {
-    const Vec3 place(nodes[node][0], nodes[node][1], nodes[node][2]);
-    return node_levels.empty() ? place : Vec3(std::ldexp(1.0, -node_levels[node]) * place);
+    const Vec3 position(nodes[node][0], nodes[node][1], nodes[node][2]);
+    return node_levels.empty() ? position : Vec3(std::ldexp(1.0, -node_levels[node]) * position);
   }
   /// Whether the body is one layer of cells thick: in plane strain, or of revolution.
   bool is_one_layer() const { return cut_cells->grid.plane_strain >= 0; }
@@ -78,9 +78,9 @@ struct BodyMesh {
   /// Returns Grid::ring in the middle of the face between a cell of one level (active or not) and the next one along a
   /// direction.
   double ring_of_face(const Index3& lower, int direction) const {
-    Vec3 place = Vec3(lower[0], lower[1], lower[2]) + Vec3::Constant(0.5);
-    place[direction] += 0.5;
-    return cut_cells->grid.ring(place);
+    Vec3 position = Vec3(lower[0], lower[1], lower[2]) + Vec3::Constant(0.5);
+    position[direction] += 0.5;
+    return cut_cells->grid.ring(position);
   }
   /// Returns whether a node (index into nodes) lies on the axis of revolution.
   bool is_on_axis(int node) const {
@@ -109,8 +109,8 @@ struct BodyMesh {
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
   /// Returns the number, among the nodes of all bodies, of the node at a position of the grid, or -1. A body of one
   /// level.
-  int find_node(const Index3& place) const {
-    const int node = node_numbers.find(place);
+  int find_node(const Index3& position) const {
+    const int node = node_numbers.find(position);
     return node < 0 ? -1 : first_node + node;
   }
   double poisson_ratio() const { return law.lambda / (2 * (law.lambda + law.mu)); }
@@ -122,7 +122,7 @@ struct BodyMesh {
 bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 
 /// Returns the virtual children of a level, one per face.
-std::vector<Index3> virtual_cells(const BodyMesh& part);
+std::vector<Index3> virtual_cells(const BodyMesh& level);
 
 /// Numbers the nodes and finds faces between levels, without the constraints; with levels, the body's own lists are
 /// made if `joined`.

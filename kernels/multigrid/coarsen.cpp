@@ -35,7 +35,7 @@ std::array<double, 3> unsigned_direction(const Vec3& d) {
 constexpr double firm = 0.03;
 
 /// Points of one cell and direction; more are merged.
-constexpr int most_points = 27;
+constexpr int max_points = 27;
 
 /// Contact rows per chunk of the parallel loop.
 constexpr std::size_t rows_per_chunk = 32;
@@ -70,9 +70,9 @@ const Moments& moments_of(const CutCells& cells, int active) {
 /// Children of a cell, -1 where there is none. Those of a quadtree also stand for the ones beside them across.
 std::array<int, 8> children_of(const CutCells& fine, const Index3& c) {
   std::array<int, 8> children;
-  const int twins = fine.grid.is_quadtree() ? 1 << fine.grid.plane_strain : 0;
+  const int across = fine.grid.is_quadtree() ? 1 << fine.grid.plane_strain : 0;
   for (int a = 0; a < 8; ++a) {
-    const int at = a & ~twins;
+    const int at = a & ~across;
     children[a] = fine.find({2 * c[0] + (at & 1), 2 * c[1] + (at >> 1 & 1), 2 * c[2] + (at >> 2)});
   }
   return children;
@@ -117,22 +117,22 @@ void fill_cells(const CutCells& fine, const CutCells* same, CutCells& coarse) {
 /// A body of several levels by CellTree::coarsened.
 CutCells coarse_tree_cells(const CutCells& fine) {
   const CellTree tree = fine.tree->coarsened();
-  std::vector<CutCells> parts(fine.parts.size() - 1);
-  for (int l = 0; l < static_cast<int>(parts.size()); ++l) {
-    CutCells& part = parts[l];
-    part.grid = fine.parts[l].grid;
-    part.numbers = GridNumbers(part.grid.num_cells);
-    for (const Index3& c : fine.parts[l].cells)
-      if (tree.is_leaf(l, c)) part.numbers.insert(c);
-    for (const Index3& c : fine.parts[l + 1].cells)
-      if (tree.is_leaf(l, parent(c))) part.numbers.insert(parent(c));
-    fill_cells(fine.parts[l + 1], &fine.parts[l], part);
+  std::vector<CutCells> levels(fine.level_cells.size() - 1);
+  for (int l = 0; l < static_cast<int>(levels.size()); ++l) {
+    CutCells& level = levels[l];
+    level.grid = fine.level_cells[l].grid;
+    level.numbers = GridNumbers(level.grid.num_cells);
+    for (const Index3& c : fine.level_cells[l].cells)
+      if (tree.is_leaf(l, c)) level.numbers.insert(c);
+    for (const Index3& c : fine.level_cells[l + 1].cells)
+      if (tree.is_leaf(l, parent(c))) level.numbers.insert(parent(c));
+    fill_cells(fine.level_cells[l + 1], &fine.level_cells[l], level);
   }
-  if (parts.size() == 1) return std::move(parts.front());
+  if (levels.size() == 1) return std::move(levels.front());
   CutCells coarse;
   coarse.grid = fine.grid;
-  coarse.grid.num_levels = static_cast<int>(parts.size());
-  coarse.parts = std::move(parts);
+  coarse.grid.num_levels = static_cast<int>(levels.size());
+  coarse.level_cells = std::move(levels);
   coarse.tree = std::make_shared<const CellTree>(tree);
   return coarse;
 }
@@ -140,7 +140,7 @@ CutCells coarse_tree_cells(const CutCells& fine) {
 }  // namespace
 
 CutCells coarse_cut_cells(const CutCells& fine) {
-  if (!fine.parts.empty()) return coarse_tree_cells(fine);
+  if (!fine.level_cells.empty()) return coarse_tree_cells(fine);
   CutCells coarse;
   coarse.grid = fine.grid;
   coarse.grid.cell_size *= 2;
@@ -153,7 +153,7 @@ CutCells coarse_cut_cells(const CutCells& fine) {
 
 bool is_coarsest(const CutCells& cells) {
   const Index3& n = cells.grid.num_cells;
-  return cells.parts.empty() && std::max({n[0], n[1], n[2]}) <= 2;
+  return cells.level_cells.empty() && std::max({n[0], n[1], n[2]}) <= 2;
 }
 
 CutCells next_cut_cells(const CutCells& fine) {
@@ -169,31 +169,31 @@ CutCells next_cut_cells(const CutCells& fine) {
 }
 
 CoarseCells::CoarseCells(const ElasticSystem& fine, const ElasticSystem& coarse)
-    : fine_(fine.parts()), coarse_(coarse.parts()) {
+    : fine_(fine.level_meshes()), coarse_(coarse.level_meshes()) {
   int first = 0;  // coarse level of the body
   for (std::size_t b = 0; b < fine.meshes.size(); ++b) {
-    const int fine_parts = std::max<int>(1, static_cast<int>(fine.meshes[b].parts.size()));
-    const int coarse_parts = std::max<int>(1, static_cast<int>(coarse.meshes[b].parts.size()));
-    for (int p = 0; p < fine_parts; ++p) {
+    const int fine_levels = std::max<int>(1, static_cast<int>(fine.meshes[b].level_meshes.size()));
+    const int coarse_levels = std::max<int>(1, static_cast<int>(coarse.meshes[b].level_meshes.size()));
+    for (int p = 0; p < fine_levels; ++p) {
       const Grid& grid = fine_[own_.size()]->cut_cells->grid;
       own_.push_back(-1);
       larger_.push_back(-1);
-      for (int q = first; q < first + coarse_parts; ++q) {
+      for (int q = first; q < first + coarse_levels; ++q) {
         const int steps = halvings(coarse_[q]->cut_cells->grid, grid);
         if (steps == 0) own_.back() = q;
         if (steps == 1) larger_.back() = q;
       }
     }
-    first += coarse_parts;
+    first += coarse_levels;
   }
 }
 
-CoarseCells::Place CoarseCells::of(int part, int cell) const {
-  const Index3& c = fine_[part]->cut_cells->cells[cell];
-  if (larger_[part] >= 0)
-    if (const int larger = coarse_[larger_[part]]->cut_cells->find(parent(c)); larger >= 0)
-      return {larger_[part], larger, true};
-  return {own_[part], own_[part] < 0 ? -1 : coarse_[own_[part]]->cut_cells->find(c), false};
+CoarseCells::CoarseCell CoarseCells::of(int level, int cell) const {
+  const Index3& c = fine_[level]->cut_cells->cells[cell];
+  if (larger_[level] >= 0)
+    if (const int larger = coarse_[larger_[level]]->cut_cells->find(parent(c)); larger >= 0)
+      return {larger_[level], larger, true};
+  return {own_[level], own_[level] < 0 ? -1 : coarse_[own_[level]]->cut_cells->find(c), false};
 }
 
 namespace {
@@ -209,13 +209,13 @@ std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std
   std::vector<SupportTerm> merged, same;
   std::vector<char> taken(moved.size(), 0);
   for (std::size_t e = 0; e + 1 < begin.size(); ++e) {
-    if (begin[e + 1] - begin[e] <= most_points) continue;
+    if (begin[e + 1] - begin[e] <= max_points) continue;
     const auto first = order.begin() + begin[e], last = order.begin() + begin[e + 1];
     const auto axis = [&](int t) { return unsigned_direction(moved[t].direction); };
     std::stable_sort(first, last, [&](int a, int b) { return axis(a) < axis(b); });
     for (auto from = first, to = first; from != last; from = to) {
       while (to != last && axis(*to) == axis(*from)) ++to;
-      if (to - from <= most_points) continue;
+      if (to - from <= max_points) continue;
       same.clear();
       for (auto t = from; t != to; ++t) {
         taken[*t] = 1;
@@ -238,27 +238,27 @@ std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std
 std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse,
                                                       bool firm_holds) {
   const CoarseCells cells(fine, coarse);
-  const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
-  std::vector<std::vector<SupportTerm>> moved(coarse_parts.size());
-  std::vector<char> larger(coarse_parts.size(), 0);
-  for (std::size_t p = 0; p < fine_parts.size(); ++p) {
-    if (moved.size() == fine_parts.size()) moved[p].reserve(fine.supports[p].size());
+  const std::vector<const BodyMesh*> fine_levels = fine.level_meshes(), coarse_levels = coarse.level_meshes();
+  std::vector<std::vector<SupportTerm>> moved(coarse_levels.size());
+  std::vector<char> larger(coarse_levels.size(), 0);
+  for (std::size_t p = 0; p < fine_levels.size(); ++p) {
+    if (moved.size() == fine_levels.size()) moved[p].reserve(fine.supports[p].size());
     for (SupportTerm t : fine.supports[p]) {
-      const Index3& c = fine_parts[p]->cut_cells->cells[t.cell];
-      const CoarseCells::Place place = cells.of(static_cast<int>(p), t.cell);
-      if (place.larger) {
+      const Index3& c = fine_levels[p]->cut_cells->cells[t.cell];
+      const CoarseCells::CoarseCell to_cell = cells.of(static_cast<int>(p), t.cell);
+      if (to_cell.larger) {
         for (int d = 0; d < 3; ++d) t.xi[d] = 0.5 * (t.xi[d] + 2 * (c[d] % 2) - 1);
         t.stiffness *= 0.5;
-        larger[place.part] = 1;
+        larger[to_cell.level] = 1;
       }
-      t.cell = place.cell;
+      t.cell = to_cell.cell;
       if (t.soft && firm_holds)
-        t.stiffness = firm * coarse_parts[place.part]->modulus * coarse_parts[place.part]->h(t.cell);
-      moved[place.part].push_back(t);
+        t.stiffness = firm * coarse_levels[to_cell.level]->modulus * coarse_levels[to_cell.level]->h(t.cell);
+      moved[to_cell.level].push_back(t);
     }
   }
   for (std::size_t q = 0; q < moved.size(); ++q)
-    if (larger[q]) moved[q] = merge_points(moved[q], coarse_parts[q]->cut_cells->cells.size());
+    if (larger[q]) moved[q] = merge_points(moved[q], coarse_levels[q]->cut_cells->cells.size());
   return moved;
 }
 
@@ -266,14 +266,14 @@ namespace {
 
 /// Interpolates a node of one level from the nodes of cells of twice the size: position (in small cells) -> nodes of
 /// the larger level.
-SparseRow interpolate_place(const BodyMesh& larger, const Index3& place) {
+SparseRow interpolate_node(const BodyMesh& larger, const Index3& position) {
   SparseRow row;
   for (int a = 0; a < 8; ++a) {
     Index3 p;
     double weight = 1;
     for (int d = 0; d < 3; ++d) {
-      const int side = a >> d & 1, odd = place[d] & 1;
-      p[d] = (place[d] + (side ? odd : 0)) >> 1;
+      const int side = a >> d & 1, odd = position[d] & 1;
+      p[d] = (position[d] + (side ? odd : 0)) >> 1;
       weight *= odd ? 0.5 : side ? 0 : 1;
     }
     if (weight > 0) row.emplace_back(larger.find_node(p), weight);
@@ -290,18 +290,18 @@ Transfer::Rows rows_to_views(const CompressedRows& rows) {
 /// Each free fine node from the coarse cell that one of its cells goes to.
 Transfer make_row_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
   const CoarseCells cells(fine, coarse);
-  const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
+  const std::vector<const BodyMesh*> fine_levels = fine.level_meshes(), coarse_levels = coarse.level_meshes();
   std::vector<SparseRow> rows(fine.num_nodes), columns(coarse.num_nodes);
-  for (std::size_t p = 0; p < fine_parts.size(); ++p) {
-    const BodyMesh& part = *fine_parts[p];
-    for (int e = 0; e < static_cast<int>(part.cell_nodes.size()); ++e) {
-      const CoarseCells::Place place = cells.of(static_cast<int>(p), e);
-      const BodyMesh& to = *coarse_parts[place.part];
-      for (const int node : part.cell_nodes[e]) {
+  for (std::size_t p = 0; p < fine_levels.size(); ++p) {
+    const BodyMesh& level = *fine_levels[p];
+    for (int e = 0; e < static_cast<int>(level.cell_nodes.size()); ++e) {
+      const CoarseCells::CoarseCell to_cell = cells.of(static_cast<int>(p), e);
+      const BodyMesh& to = *coarse_levels[to_cell.level];
+      for (const int node : level.cell_nodes[e]) {
         if (!rows[node].empty()) continue;
         if (!fine.constraint_of_node.empty() && fine.constraint_of_node[node] >= 0) continue;
-        const Index3& at = part.nodes[node - part.first_node];
-        rows[node] = place.larger ? interpolate_place(to, at) : SparseRow{{to.find_node(at), 1.0}};
+        const Index3& at = level.nodes[node - level.first_node];
+        rows[node] = to_cell.larger ? interpolate_node(to, at) : SparseRow{{to.find_node(at), 1.0}};
       }
     }
   }
@@ -322,15 +322,16 @@ Transfer make_row_transfer(const ElasticSystem& fine, const ElasticSystem& coars
 
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
   // A body whose largest cells are all refined has several levels and no hanging node.
-  if (!fine.constraints.empty() || fine.parts().size() != fine.meshes.size()) return make_row_transfer(fine, coarse);
+  if (!fine.constraints.empty() || fine.level_meshes().size() != fine.meshes.size())
+    return make_row_transfer(fine, coarse);
   Transfer transfer;
   transfer.parents = decltype(transfer.parents)("cgcontact::coarsen::parents", fine.num_nodes);
   transfer.children = decltype(transfer.children)("cgcontact::coarsen::children", coarse.num_nodes);
   auto parents = Kokkos::create_mirror_view(transfer.parents);
   auto children = Kokkos::create_mirror_view(transfer.children);
-  const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
-  for (std::size_t b = 0; b < fine_parts.size(); ++b) {
-    const BodyMesh &f = *fine_parts[b], &c = *coarse_parts[b];
+  const std::vector<const BodyMesh*> fine_levels = fine.level_meshes(), coarse_levels = coarse.level_meshes();
+  for (std::size_t b = 0; b < fine_levels.size(); ++b) {
+    const BodyMesh &f = *fine_levels[b], &c = *coarse_levels[b];
     if (halvings(c.cut_cells->grid, f.cut_cells->grid) == 0) {
       for (int n = 0; n < f.num_nodes; ++n) {
         for (int a = 0; a < 8; ++a) parents(f.first_node + n, a) = c.first_node + n;
@@ -420,13 +421,13 @@ void RowCoarsening::find_members(const ElasticSystem& fine, const ElasticSystem&
   const CoarseCells cells(fine, coarse);
   std::map<std::tuple<int, int, int>, int> index;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const CoarseCells::Place place = cells.of(rows[r].part, rows[r].cell);
-    factor_.push_back(place.larger ? 0.5 : 1.0);
+    const CoarseCells::CoarseCell to_cell = cells.of(rows[r].level, rows[r].cell);
+    factor_.push_back(to_cell.larger ? 0.5 : 1.0);
     const auto [entry, is_new] =
-        index.emplace(std::make_tuple(place.part, place.cell, rows[r].family), static_cast<int>(members_.size()));
+        index.emplace(std::make_tuple(to_cell.level, to_cell.cell, rows[r].family), static_cast<int>(members_.size()));
     if (is_new) {
       members_.emplace_back();
-      places_.push_back({{}, place.part, place.cell, rows[r].family});
+      coarse_rows_.push_back({{}, to_cell.level, to_cell.cell, rows[r].family});
     }
     members_[entry->second].push_back(static_cast<int>(r));
   }
@@ -438,7 +439,7 @@ RowCoarsening::Present RowCoarsening::update(const std::vector<GroupRow>& fine, 
   std::vector<double> share(fine.size(), 0.0);
   Present result{std::vector<double>(members_.size(), 0.0), std::vector<double>(members_.size(), 0.0),
                  std::vector<char>(members_.size(), first)};
-  if (first) rows = places_;
+  if (first) rows = coarse_rows_;
   for (std::size_t c = 0; c < members_.size(); ++c) {
     for (const int r : members_[c]) {
       result.stiffness[c] += factor_[r] * present.stiffness[r];

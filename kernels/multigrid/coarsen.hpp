@@ -28,11 +28,11 @@ class CoarseCells {
  public:
   CoarseCells(const ElasticSystem& fine, const ElasticSystem& coarse);
 
-  struct Place {
-    int part, cell;
+  struct CoarseCell {
+    int level, cell;
     bool larger;  ///< its parent, otherwise the cell as it is
   };
-  Place of(int part, int cell) const;
+  CoarseCell of(int level, int cell) const;
 
  private:
   std::vector<const BodyMesh*> fine_, coarse_;
@@ -73,7 +73,7 @@ class RowCoarsening {
                 const std::vector<GroupRow>& rows, const RowCoarsening* before);
 
   /// Returns the coarse rows without entries.
-  const std::vector<GroupRow>& places() const { return places_; }
+  const std::vector<GroupRow>& coarse_rows() const { return coarse_rows_; }
 
   /// State of a grid's rows: stiffness, that when closed; whether the entries have changed since the last update.
   struct Present {
@@ -92,7 +92,7 @@ class RowCoarsening {
   std::vector<std::pair<int, double>> merged(const std::vector<int>& members, const std::vector<GroupRow>& fine,
                                              const std::vector<double>& share) const;
 
-  std::vector<GroupRow> places_;
+  std::vector<GroupRow> coarse_rows_;
   std::vector<std::vector<int>> members_;  ///< fine rows of each coarse one
   std::vector<double> factor_;             ///< of the stiffness of each fine row
   std::vector<double> share_;              ///< of each fine row in its coarse one, at the last update

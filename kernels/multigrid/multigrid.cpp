@@ -50,11 +50,11 @@ struct Level {
 /// More than half of the coarse cells are cells of the fine grid as they are.
 bool mostly_repeats(const ElasticSystem& fine, const ElasticSystem& coarse) {
   const CoarseCells cells(fine, coarse);
-  const std::vector<const BodyMesh*> fine_parts = fine.parts();
+  const std::vector<const BodyMesh*> fine_levels = fine.level_meshes();
   std::size_t all = 0, repeated = 0;
-  for (const BodyMesh* part : coarse.parts()) all += part->cell_nodes.size();
-  for (std::size_t p = 0; p < fine_parts.size(); ++p)
-    for (std::size_t e = 0; e < fine_parts[p]->cell_nodes.size(); ++e)
+  for (const BodyMesh* level : coarse.level_meshes()) all += level->cell_nodes.size();
+  for (std::size_t p = 0; p < fine_levels.size(); ++p)
+    for (std::size_t e = 0; e < fine_levels[p]->cell_nodes.size(); ++e)
       repeated += !cells.of(static_cast<int>(p), static_cast<int>(e)).larger;
   return 2 * repeated > all;
 }
@@ -159,8 +159,8 @@ struct Multigrid::Impl {
       to->own_system.supports = coarse_supports(*from.whole, to->own_system, settings.firm_holds);
       from.transfer = make_transfer(*from.whole, *to->whole);
       const RowCoarsening* const before = levels.size() > 1 ? &levels[levels.size() - 2]->row_coarsening : nullptr;
-      from.row_coarsening =
-          RowCoarsening(*from.whole, *to->whole, from.transfer, before ? before->places() : fine.group_rows, before);
+      from.row_coarsening = RowCoarsening(*from.whole, *to->whole, from.transfer,
+                                          before ? before->coarse_rows() : fine.group_rows, before);
       levels.push_back(std::move(to));
     }
   }

@@ -11,12 +11,12 @@ namespace {
 Owners coarse_owners(const ElasticSystem& fine, const Owners& owners, const ElasticSystem& coarse,
                      const std::vector<std::vector<int>>& together) {
   Owners result;
-  for (const BodyMesh* part : coarse.parts()) result.of_cell.emplace_back(part->cell_nodes.size(), -1);
+  for (const BodyMesh* level : coarse.level_meshes()) result.of_cell.emplace_back(level->cell_nodes.size(), -1);
   const CoarseCells cells(fine, coarse);
   for (std::size_t p = 0; p < owners.of_cell.size(); ++p)
     for (std::size_t e = 0; e < owners.of_cell[p].size(); ++e) {
-      const CoarseCells::Place place = cells.of(static_cast<int>(p), static_cast<int>(e));
-      int& owner = result.of_cell[place.part][place.cell];
+      const CoarseCells::CoarseCell to_cell = cells.of(static_cast<int>(p), static_cast<int>(e));
+      int& owner = result.of_cell[to_cell.level][to_cell.cell];
       if (owner < 0) owner = owners.of_cell[p][e];
     }
   own_nodes(coarse, together, result);

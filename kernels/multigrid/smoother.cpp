@@ -59,9 +59,9 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
     for (const auto& [master, weight] : system.constraints[c].masters)
       result.blocks.emplace_back(master, weight * weight * block);
   };
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    const BodyMesh& mesh = *parts[b];
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (std::size_t b = 0; b < levels.size(); ++b) {
+    const BodyMesh& mesh = *levels[b];
     std::vector<SupportTerm> terms;
     for (const SupportTerm& t : system.supports[b])
       if (t.thin && std::none_of(mesh.cell_nodes[t.cell].begin(), mesh.cell_nodes[t.cell].end(),
@@ -91,7 +91,7 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
       }
       for (std::size_t r = 0; r < direction.size(); ++r) {
         GroupRow row;
-        row.part = static_cast<int>(b);
+        row.level = static_cast<int>(b);
         row.cell = terms[first].cell;
         for (int a = 0; a < 8; ++a) {
           const int node = mesh.cell_nodes[row.cell][a];

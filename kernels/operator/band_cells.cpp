@@ -136,10 +136,10 @@ bool counts_as_full(const CutCells& cut_cells, int active) {
   return true;
 }
 
-SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
-  constexpr int most_slabs = 32;
+SlabPartition make_slabs(const std::vector<const BodyMesh*>& level_meshes) {
+  constexpr int max_slabs = 32;
   SlabPartition result;
-  for (const BodyMesh* mesh : parts) {
+  for (const BodyMesh* mesh : level_meshes) {
     const CutCells& cc = *mesh->cut_cells;
     SlabPartition::Body body;
     Index3 low = cc.grid.num_cells, high = {0, 0, 0};
@@ -152,7 +152,7 @@ SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
       if (high[d] - low[d] >= high[body.axis] - low[body.axis]) body.axis = d;
     // Chunks of about equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more, one
     // towards larger cells in both directions.
-    const int least_layers = mesh->level_faces.empty() ? 2 : 3;
+    const int min_layers = mesh->level_faces.empty() ? 2 : 3;
     std::vector<double> weight(cc.grid.num_cells[body.axis], 0.0);
     double total = 0;
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
@@ -163,9 +163,9 @@ SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
     body.slab_of_layer.assign(weight.size(), 0);
     int slab = static_cast<int>(result.colour_of_slab.size());
     int layers = 0, colour = 0;
-    double sum = 0, share = total / most_slabs;
+    double sum = 0, share = total / max_slabs;
     for (int layer = low[body.axis]; layer < high[body.axis]; ++layer) {
-      if (layers >= least_layers && sum >= share && high[body.axis] - layer >= least_layers) {
+      if (layers >= min_layers && sum >= share && high[body.axis] - layer >= min_layers) {
         result.colour_of_slab.push_back(colour);
         ++slab;
         colour = 1 - colour;
@@ -196,11 +196,11 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
   BandCells<Real> result;
   result.far = sizeof(Real) * system.num_dofs() > cache;
   std::vector<BandCell> list;
-  const std::vector<const BodyMesh*> parts = system.parts();
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
   std::vector<SupportedCells> supports;
   std::vector<typename BandCells<Real>::Law> laws;
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    const BodyMesh& mesh = *parts[b];
+  for (std::size_t b = 0; b < levels.size(); ++b) {
+    const BodyMesh& mesh = *levels[b];
     const CutCells& cc = *mesh.cut_cells;
     typename BandCells<Real>::Law law;
     law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
@@ -276,7 +276,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     for (int l = 0; l < L; ++l) {
       const bool used = l < batch.count;
       const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
-      const BodyMesh& mesh = *parts[cell.body];
+      const BodyMesh& mesh = *levels[cell.body];
       for (int pair = 0; pair < 4; ++pair) nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
       if (!used) continue;  // its moments stay zero, its forces are dropped
       for (int a = 0; a < 8; ++a)

@@ -28,7 +28,7 @@ struct SlabPartition {
   std::vector<int> colour_of_slab;  ///< all bodies
   int slab_of(int body, const Index3& cell) const { return bodies[body].slab_of_layer[cell[bodies[body].axis]]; }
 };
-SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts);
+SlabPartition make_slabs(const std::vector<const BodyMesh*>& level_meshes);
 
 /// Interior cells, and cells on a face that lies on a grid plane: "cut" by name, with the full cell's moments.
 bool counts_as_full(const CutCells& cut_cells, int active);
@@ -294,7 +294,7 @@ KOKKOS_FORCEINLINE_FUNCTION void plane_forces(const typename BandCells<Real>::La
   for (int a = 0; a < 8; ++a) u[d][a] = none;
 }
 
-/// What is known of a cell of a body of revolution, in the place of its moments: integrals of powers of its coordinates
+/// What is known of a cell of a body of revolution, instead of its moments: integrals of powers of its coordinates
 /// E along the axis and G away from it, times the diameter 2 r (in cells: diameter of the middle + G), plain, and over
 /// the diameter.
 namespace ring_moment {
@@ -472,10 +472,10 @@ inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const B
           if (c < 0) continue;
           const auto& column = columns.columns(c);
           const int across = a ^ 1 << column.axis, other = cells.nodes(b, across / 2, l) + across % 2;
-          const int place = columns.place(column, node), row = place + (a >> column.axis & 1 ? -1 : 1);
+          const int slot = columns.slot(column, node), row = slot + (a >> column.axis & 1 ? -1 : 1);
           if (row < 0 || row >= column.size || columns.nodes(column.first + row) != other) continue;
           for (int i = 0; i < 3; ++i)
-            columns.matrices(column.entry(dof_of(row, i), dof_of(place, j))) += u[i][across][l];
+            columns.matrices(column.entry(dof_of(row, i), dof_of(slot, j))) += u[i][across][l];
         }
       }
 }

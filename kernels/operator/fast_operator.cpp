@@ -14,8 +14,8 @@ namespace {
 /// is never much larger than what remains. On several ranks: those where forces are needed.
 std::vector<char> classify(const ElasticSystem& system) {
   std::vector<char> by_stencil(system.num_nodes, 0);
-  for (const BodyMesh* part : system.parts()) {
-    const BodyMesh& mesh = *part;
+  for (const BodyMesh* level : system.level_meshes()) {
+    const BodyMesh& mesh = *level;
     const CutCells& cc = *mesh.cut_cells;
     std::vector<char> is_full(cc.cells.size());
     parallel_for("cgcontact::fast_operator::full_cells", cc.cells.size(), 4096,
@@ -75,12 +75,12 @@ Kokkos::RangePolicy<ExecSpace, Dynamic> one_by_one(const ExecSpace& exec, int n)
 
 template <class Real>
 FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(system.num_nodes), dofs_(system.dofs) {
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (const BodyMesh* part : parts)
-    if (part->cut_cells->grid.num_levels != 1) throw std::logic_error("fast operator: a part has more than one level");
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (const BodyMesh* level : levels)
+    if (level->cut_cells->grid.num_levels != 1) throw std::logic_error("fast operator: a part has more than one level");
   const std::vector<char> by_stencil = classify(system);
-  const SlabPartition slabs = make_slabs(parts);
-  tiles_ = make_stencil_tiles<Real>(parts, by_stencil);
+  const SlabPartition slabs = make_slabs(levels);
+  tiles_ = make_stencil_tiles<Real>(levels, by_stencil);
   cells_ = make_band_cells<Real>(system, by_stencil, slabs);
   ghosts_ = make_ghost_chains<Real>(system, slabs);
   other_nodes_ =
@@ -99,10 +99,10 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   }
   std::vector<Real> diagonal;
   std::vector<int> first_node;
-  stencil_next_ = decltype(stencil_next_)("cgcontact::fast_operator::next", parts.size());
+  stencil_next_ = decltype(stencil_next_)("cgcontact::fast_operator::next", levels.size());
   auto next = Kokkos::create_mirror_view(stencil_next_);
-  for (const BodyMesh* part : parts) {
-    const BodyMesh& mesh = *part;
+  for (const BodyMesh* level : levels) {
+    const BodyMesh& mesh = *level;
     const StencilCoefficients<double> stencil(mesh, 1);
     for (int c = 0; c < 3; ++c) {
       next(diagonal.size(), 0, c) = static_cast<Real>(stencil.outer[c][3]);
@@ -298,9 +298,9 @@ void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView&
         const auto& column = columns.columns(c);
         for (int row = 0; row < column.size; ++row) {
           if (!by_stencil(columns.nodes(column.first + row))) continue;
-          for (int place = row - 1; place <= row + 1; place += 2)
-            for (int i = 0; i < 3 && place >= 0 && place < column.size; ++i)
-              columns.matrices(column.entry(dof_of(row, i), dof_of(place, i))) += next(column.body, column.axis, i);
+          for (int slot = row - 1; slot <= row + 1; slot += 2)
+            for (int i = 0; i < 3 && slot >= 0 && slot < column.size; ++i)
+              columns.matrices(column.entry(dof_of(row, i), dof_of(slot, i))) += next(column.body, column.axis, i);
         }
       });
   for (int colour = 0; colour < 2; ++colour) {
@@ -325,13 +325,13 @@ void FastOperator<Real>::gather_constrained_blocks(const ExecSpace& exec, const 
           for (int p = 0; p < 6; ++p) blocks(others(n), p) = p < 3 ? Real(1) : Real(0);
         });
   }
-  const TwinsView twins = dofs_.twins();
+  const AcrossNodesView across_nodes = dofs_.across_nodes();
   Kokkos::parallel_for(
-      "cgcontact::fast_operator::twin_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, twins.extent(0)),
+      "cgcontact::fast_operator::across_node_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, across_nodes.extent(0)),
       KOKKOS_LAMBDA(const int t) {
         for (int p = 0; p < 6; ++p) {
-          blocks(twins(t, 0), p) += blocks(twins(t, 1), p);
-          blocks(twins(t, 1), p) = p < 3 ? Real(1) : Real(0);
+          blocks(across_nodes(t, 0), p) += blocks(across_nodes(t, 1), p);
+          blocks(across_nodes(t, 1), p) = p < 3 ? Real(1) : Real(0);
         }
       });
   const ConstraintRows rows = dofs_.sums();

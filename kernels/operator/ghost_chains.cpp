@@ -30,13 +30,13 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   struct Start {
     int slab, body, direction;
     Index3 lower;  ///< the first cell
-    int faces, place;
+    int faces, order;
   };
   std::vector<Start> starts;
   std::vector<double> factor;  // of each level
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    const BodyMesh& mesh = *parts[b];
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (std::size_t b = 0; b < levels.size(); ++b) {
+    const BodyMesh& mesh = *levels[b];
     const CutCells& cc = *mesh.cut_cells;
     const int body = static_cast<int>(b);
     factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus *
@@ -73,13 +73,13 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     }
   }
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) {
-    return std::make_tuple(a.slab, a.direction, a.faces > 1, a.place) <
-           std::make_tuple(b.slab, b.direction, b.faces > 1, b.place);
+    return std::make_tuple(a.slab, a.direction, a.faces > 1, a.order) <
+           std::make_tuple(b.slab, b.direction, b.faces > 1, b.order);
   });
   std::vector<Chain> chains;
   std::vector<int> row, chunk_begin(slabs.colour_of_slab.size() + 1, 0);
   for (const Start& s : starts) {
-    const BodyMesh& mesh = *parts[s.body];
+    const BodyMesh& mesh = *levels[s.body];
     chains.push_back({s.direction, s.faces, static_cast<int>(row.size()),
                       static_cast<Real>(factor[s.body] * mesh.ring_of_face(s.lower, s.direction)),
                       fold_of_face(mesh, s.direction)});
@@ -90,10 +90,10 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
       continue;
     }
     const int other = s.direction == 1 ? 2 : 1;
-    Index3 place = s.lower;
-    for (int layer = 0; layer < s.faces + 2; ++layer, ++place[s.direction])
+    Index3 position = s.lower;
+    for (int layer = 0; layer < s.faces + 2; ++layer, ++position[s.direction])
       for (int t = 0; t < 2; ++t) {
-        Index3 first = place;
+        Index3 first = position;
         first[other] += t;
         row.push_back(mesh.find_node(first));
       }

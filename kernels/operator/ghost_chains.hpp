@@ -191,7 +191,7 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
         const int c = columns.column_of_node(node);
         if (c < 0) continue;
         const auto& column = columns.columns(c);
-        const int place = columns.place(column, node);
+        const int slot = columns.slot(column, node);
         for (int k = 0; k < 12; ++k) {
           const int other = nodes[k / 4][k % 4];
           if (other == node || (k & chain.fold) || columns.column_of_node(other) != c) continue;
@@ -200,8 +200,8 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
                              (across == 0   ? Real(1)
                               : across == 3 ? Real(0.25)
                                             : Real(0.5));
-          const int at = columns.place(column, other);
-          for (int i = 0; i < 3; ++i) columns.matrices(column.entry(dof_of(place, i), dof_of(at, i))) += value;
+          const int at = columns.slot(column, other);
+          for (int i = 0; i < 3; ++i) columns.matrices(column.entry(dof_of(slot, i), dof_of(at, i))) += value;
         }
       }
     }

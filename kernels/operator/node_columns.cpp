@@ -22,24 +22,24 @@ NodeColumns<Real> make_node_columns(const ElasticSystem& system) {
     std::array<int, longest> nodes;
   };
   std::vector<Line> lines[longest + 1];
-  const std::vector<const BodyMesh*> parts = system.parts();
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
   const auto is_constrained = [&](int node) {
     return !system.constraint_of_node.empty() && system.constraint_of_node[node] >= 0;
   };
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    const BodyMesh& mesh = *parts[b];
+  for (std::size_t b = 0; b < levels.size(); ++b) {
+    const BodyMesh& mesh = *levels[b];
     for (int d = 2; d >= 0; --d)
       for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-        Index3 place = mesh.nodes[n];
-        --place[d];
-        if (mesh.find_node(place) >= 0) continue;
-        ++place[d];
+        Index3 position = mesh.nodes[n];
+        --position[d];
+        if (mesh.find_node(position) >= 0) continue;
+        ++position[d];
         Line line{static_cast<int>(b), d, {}};
         int size = 0;
         for (int node = mesh.first_node + static_cast<int>(n); node >= 0 && size <= longest; ++size) {
           if (size < longest) line.nodes[size] = node;
-          ++place[d];
-          node = mesh.find_node(place);
+          ++position[d];
+          node = mesh.find_node(position);
         }
         if (size <= longest) lines[size].push_back(line);
       }

@@ -29,7 +29,7 @@ struct NodeColumns {
 
   int num_columns() const { return static_cast<int>(columns.extent(0)); }
   /// Position of a node in its column.
-  KOKKOS_INLINE_FUNCTION int place(const Column& column, int node) const {
+  KOKKOS_INLINE_FUNCTION int slot(const Column& column, int node) const {
     int p = 0;
     while (nodes(column.first + p) != node) ++p;
     return p;

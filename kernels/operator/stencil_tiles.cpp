@@ -8,7 +8,7 @@ namespace cgcontact {
 namespace {
 
 /// Divides a range into chunks of about equal size, at most `largest` each.
-std::vector<std::array<int, 2>> pieces(int begin, int end, int largest) {
+std::vector<std::array<int, 2>> chunks(int begin, int end, int largest) {
   std::vector<std::array<int, 2>> result;
   const int n = (end - begin + largest - 1) / largest;
   for (int p = 0; p < n; ++p)
@@ -32,31 +32,31 @@ class TileMaker {
 
   void run(int body) {
     // Long tiles read fewer planes twice; short ones keep several threads busy on a small body.
-    const int columns = static_cast<int>(pieces(1, grid_.num_cells[1], StencilRing<Real>::rows).size() *
-                                         pieces(1, grid_.num_cells[0], StencilRing<Real>::block).size());
+    const int columns = static_cast<int>(chunks(1, grid_.num_cells[1], StencilRing<Real>::rows).size() *
+                                         chunks(1, grid_.num_cells[0], StencilRing<Real>::block).size());
     const int planes =
         static_cast<int>(std::clamp(static_cast<long long>(grid_.num_cells[2]) * columns / 48, 8LL, 32LL));
-    const auto x = pieces(1, grid_.num_cells[0], StencilRing<Real>::block),
-               y = pieces(1, grid_.num_cells[1], StencilRing<Real>::rows), z = pieces(1, grid_.num_cells[2], planes);
+    const auto x = chunks(1, grid_.num_cells[0], StencilRing<Real>::block),
+               y = chunks(1, grid_.num_cells[1], StencilRing<Real>::rows), z = chunks(1, grid_.num_cells[2], planes);
     for (const auto& [k, j, i] : tiles_with_nodes(x, y, z)) add(body, x[i], y[j], z[k]);
   }
 
  private:
-  using Pieces = std::vector<std::array<int, 2>>;
+  using Chunks = std::vector<std::array<int, 2>>;
 
   /// Returns the chunk that an index lies in, -1: none.
-  static int piece_of(const Pieces& pieces, int place) {
-    if (pieces.empty() || place < pieces.front()[0] || place >= pieces.back()[1]) return -1;
-    const auto after = std::upper_bound(pieces.begin(), pieces.end(), place,
-                                        [](int p, const std::array<int, 2>& piece) { return p < piece[0]; });
-    return static_cast<int>(after - pieces.begin()) - 1;
+  static int chunk_of(const Chunks& chunks, int index) {
+    if (chunks.empty() || index < chunks.front()[0] || index >= chunks.back()[1]) return -1;
+    const auto after = std::upper_bound(chunks.begin(), chunks.end(), index,
+                                        [](int p, const std::array<int, 2>& chunk) { return p < chunk[0]; });
+    return static_cast<int>(after - chunks.begin()) - 1;
   }
 
   /// Returns (z, y, x) of the chunks with nodes in them, ascending: most of a grid may be empty.
-  std::vector<Index3> tiles_with_nodes(const Pieces& x, const Pieces& y, const Pieces& z) const {
+  std::vector<Index3> tiles_with_nodes(const Chunks& x, const Chunks& y, const Chunks& z) const {
     std::vector<Index3> tiles;
     mesh_.node_numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {
-      const int j = piece_of(y, first[1]), k = piece_of(z, first[2]);
+      const int j = chunk_of(y, first[1]), k = chunk_of(z, first[2]);
       if (j < 0 || k < 0) return;
       for (int i = 0; i < static_cast<int>(x.size()); ++i) {
         const int begin = std::max(x[i][0] - first[0], 0), end = std::min(x[i][1] - first[0], 64);
@@ -161,14 +161,15 @@ std::size_t StencilTiles<Real>::bytes() const {
 }
 
 template <class Real>
-StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& parts, const std::vector<char>& by_stencil) {
+StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& level_meshes,
+                                      const std::vector<char>& by_stencil) {
   Records records;
   records.tile_plane.push_back(0);
   std::vector<StencilCoefficients<Real>> plus, minus;
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    TileMaker<Real>(*parts[b], by_stencil, records).run(static_cast<int>(b));
-    plus.emplace_back(*parts[b], 1.0);
-    minus.emplace_back(*parts[b], -1.0);
+  for (std::size_t b = 0; b < level_meshes.size(); ++b) {
+    TileMaker<Real>(*level_meshes[b], by_stencil, records).run(static_cast<int>(b));
+    plus.emplace_back(*level_meshes[b], 1.0);
+    minus.emplace_back(*level_meshes[b], -1.0);
   }
   StencilTiles<Real> tiles;
   for (const auto& run : records.runs) tiles.num_nodes += run[3];

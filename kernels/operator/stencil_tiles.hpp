@@ -61,7 +61,8 @@ struct StencilTiles {
 
 /// Makes the tiles; one flag per node of all bodies: computed by the stencil.
 template <class Real>
-StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& parts, const std::vector<char>& by_stencil);
+StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& level_meshes,
+                                      const std::vector<char>& by_stencil);
 
 namespace stencil {
 

@@ -9,21 +9,21 @@
 #include "kernels/mesh/sparse_rows.hpp"
 
 namespace cgcontact {
-std::vector<const BodyMesh*> ElasticSystem::parts() const {
+std::vector<const BodyMesh*> ElasticSystem::level_meshes() const {
   std::vector<const BodyMesh*> all;
   for (const BodyMesh& mesh : meshes) {
-    if (mesh.parts.empty()) all.push_back(&mesh);
-    for (const BodyMesh& part : mesh.parts) all.push_back(&part);
+    if (mesh.level_meshes.empty()) all.push_back(&mesh);
+    for (const BodyMesh& level : mesh.level_meshes) all.push_back(&level);
   }
   return all;
 }
 
-std::pair<int, int> ElasticSystem::part_of(int body, int cell) const {
-  int part = 0;
-  for (int b = 0; b < body; ++b) part += std::max<int>(1, static_cast<int>(meshes[b].parts.size()));
-  if (meshes[body].parts.empty()) return {part, cell};
+std::pair<int, int> ElasticSystem::locate_cell(int body, int cell) const {
+  int level = 0;
+  for (int b = 0; b < body; ++b) level += std::max<int>(1, static_cast<int>(meshes[b].level_meshes.size()));
+  if (meshes[body].level_meshes.empty()) return {level, cell};
   const CutCells& cells = *meshes[body].cut_cells;
-  return {part + cells.level(cell), cell - cells.first_of_part[cells.level(cell)]};
+  return {level + cells.level(cell), cell - cells.first_of_level[cells.level(cell)]};
 }
 
 int ElasticSystem::num_free_dofs() const {
@@ -36,9 +36,9 @@ bool ElasticSystem::is_zero(int dof) const { return std::binary_search(zero_dofs
 
 bool ElasticSystem::needs(int node) const { return !dofs.halo() || dofs.halo()->needs(node); }
 
-bool ElasticSystem::needs_cell(const BodyMesh& part, int cell) const {
+bool ElasticSystem::needs_cell(const BodyMesh& level, int cell) const {
   const Halo* halo = dofs.halo();
-  return !halo || std::any_of(part.cell_nodes[cell].begin(), part.cell_nodes[cell].end(),
+  return !halo || std::any_of(level.cell_nodes[cell].begin(), level.cell_nodes[cell].end(),
                               [&](const int node) { return halo->needs(node); });
 }
 
@@ -48,7 +48,7 @@ namespace {
 void add_zero_dofs(const BodyMesh& mesh, std::vector<int>& zero_dofs) {
   if (!mesh.is_one_layer()) return;
   if (mesh.nodes.empty())
-    for (const BodyMesh& part : mesh.parts) add_zero_dofs(part, zero_dofs);
+    for (const BodyMesh& level : mesh.level_meshes) add_zero_dofs(level, zero_dofs);
   for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n)
     for (int i = 0; i < dofs_per_node; ++i)
       if (mesh.is_zero(n, i)) zero_dofs.push_back(dof_of(mesh.first_node + n, i));
@@ -76,7 +76,7 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
   if (!system.constraints.empty()) system.constraint_of_node.assign(system.num_nodes, -1);
   for (std::size_t c = 0; c < system.constraints.size(); ++c)
     system.constraint_of_node[system.constraints[c].node] = static_cast<int>(c);
-  system.supports.resize(system.parts().size());
+  system.supports.resize(system.level_meshes().size());
   return system;
 }
 
@@ -103,15 +103,15 @@ void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int,
 }
 
 void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms) {
-  const std::vector<const BodyMesh*> parts = system.parts();
-  std::vector<std::size_t> count(parts.size(), 0);
-  for (const SupportTerm& t : terms) ++count[system.part_of(body, t.cell).first];
-  for (std::size_t p = 0; p < parts.size(); ++p) system.supports[p].reserve(system.supports[p].size() + count[p]);
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  std::vector<std::size_t> count(levels.size(), 0);
+  for (const SupportTerm& t : terms) ++count[system.locate_cell(body, t.cell).first];
+  for (std::size_t p = 0; p < levels.size(); ++p) system.supports[p].reserve(system.supports[p].size() + count[p]);
   for (SupportTerm t : terms) {
-    const auto [part, cell] = system.part_of(body, t.cell);
+    const auto [level, cell] = system.locate_cell(body, t.cell);
     t.cell = cell;
-    if (parts[part]->cut_cells->cut_of_active[cell] < 0) throw std::logic_error("support point in an interior cell");
-    system.supports[part].push_back(t);
+    if (levels[level]->cut_cells->cut_of_active[cell] < 0) throw std::logic_error("support point in an interior cell");
+    system.supports[level].push_back(t);
   }
 }
 

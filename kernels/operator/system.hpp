@@ -19,10 +19,10 @@ struct SupportTerm {
   bool soft = false;  ///< holds what contact alone holds: firm on coarse grids (RigidCoarseSpace)
 };
 
-/// One contact group: mean normal gap over a boundary piece of the coarser body's cell, as a sparse row on the DoFs.
+/// One contact group: mean normal gap over a boundary facet in a cell of the coarser body, as a sparse row on the DoFs.
 struct GroupRow {
   std::vector<std::pair<int, double>> entries;  ///< (DoF, coefficient), sorted by DoF
-  int part = 0, cell = 0;                       ///< cell of a level of the coarser body that the boundary piece lies in
+  int level = 0, cell = 0;                      ///< of the facet, in the coarser body; level: index into level_meshes()
   int family = 0;                               ///< rows of one family may be merged on coarser grids
 };
 
@@ -56,9 +56,9 @@ struct ElasticSystem {
   std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain, away from axes of revolution on them
 
   /// Returns the meshes that the kernels run on, in turn: bodies of one level, and the levels of the others.
-  std::vector<const BodyMesh*> parts() const;
-  /// Returns the level that holds an active cell of a body, and the cell's number there.
-  std::pair<int, int> part_of(int body, int cell) const;
+  std::vector<const BodyMesh*> level_meshes() const;
+  /// Returns the level (index into level_meshes()) with an active cell of a body, and the cell's number there.
+  std::pair<int, int> locate_cell(int body, int cell) const;
 
   int num_dofs() const { return dofs.num_dofs(); }
   /// Counts the degrees of freedom that neither constraints nor plane strain give.
@@ -66,7 +66,7 @@ struct ElasticSystem {
   bool is_zero(int dof) const;
   /// Return whether this rank computes forces on a node, on one of this cell of a level.
   bool needs(int node) const;
-  bool needs_cell(const BodyMesh& part, int cell) const;
+  bool needs_cell(const BodyMesh& level, int cell) const;
 };
 
 /// Makes the meshes of all bodies.

@@ -15,53 +15,53 @@ bool is_constrained(const ElasticSystem& system, int node) {
 
 /// Some cells of a grid of one level.
 CutCells restricted(const CutCells& cells, const std::vector<char>& keep) {
-  CutCells part;
-  part.grid = cells.grid;
-  part.numbers = GridNumbers(cells.grid.num_cells);
+  CutCells kept_cells;
+  kept_cells.grid = cells.grid;
+  kept_cells.numbers = GridNumbers(cells.grid.num_cells);
   std::vector<int> chosen;
-  part.cells.reserve(std::count_if(keep.begin(), keep.end(), [](char kept) { return kept != 0; }));
-  part.cut_of_active.reserve(part.cells.capacity());
+  kept_cells.cells.reserve(std::count_if(keep.begin(), keep.end(), [](char kept) { return kept != 0; }));
+  kept_cells.cut_of_active.reserve(kept_cells.cells.capacity());
   for (std::size_t e = 0; e < cells.cells.size(); ++e) {
     if (!keep[e]) continue;
-    part.numbers.insert(cells.cells[e]);
+    kept_cells.numbers.insert(cells.cells[e]);
     const int cut = cells.cut_of_active[e];
-    part.cut_of_active.push_back(cut < 0 ? -1 : static_cast<int>(chosen.size()));
+    kept_cells.cut_of_active.push_back(cut < 0 ? -1 : static_cast<int>(chosen.size()));
     if (cut >= 0) {
-      part.active_of_cut.push_back(static_cast<int>(part.cells.size()));
+      kept_cells.active_of_cut.push_back(static_cast<int>(kept_cells.cells.size()));
       chosen.push_back(cut);
     }
-    part.cells.push_back(cells.cells[e]);
+    kept_cells.cells.push_back(cells.cells[e]);
   }
-  part.numbers.number();
-  part.moments = cells.moments.chosen(std::move(chosen));
-  return part;
+  kept_cells.numbers.number();
+  kept_cells.moments = cells.moments.chosen(std::move(chosen));
+  return kept_cells;
 }
 
 /// Choice of a rank's cells and of the nodes that they use.
 class CellChoice {
  public:
   CellChoice(const ElasticSystem& whole, const std::vector<char>& needed, const std::vector<char>& more)
-      : whole_(whole), parts_(whole.parts()), needed_(needed), used(more) {
-    for (const BodyMesh* part : parts_) keep.emplace_back(part->cell_nodes.size(), 0);
-    for (std::size_t p = 0; p < parts_.size(); ++p) choose_around_needed(p);
+      : whole_(whole), levels_(whole.level_meshes()), needed_(needed), used(more) {
+    for (const BodyMesh* level : levels_) keep.emplace_back(level->cell_nodes.size(), 0);
+    for (std::size_t p = 0; p < levels_.size(); ++p) choose_around_needed(p);
     if (!whole.constraints.empty()) use_masters();
     keep_cells_of_used();
   }
 
  private:
   bool is_needed(std::size_t p, int cell) const {
-    const auto& nodes = parts_[p]->cell_nodes[cell];
+    const auto& nodes = levels_[p]->cell_nodes[cell];
     return std::any_of(nodes.begin(), nodes.end(), [&](const int node) { return needed_[node]; });
   }
 
   void choose(std::size_t p, int cell) {
     keep[p][cell] = 1;
-    for (const int node : parts_[p]->cell_nodes[cell]) used[node] = 1;
+    for (const int node : levels_[p]->cell_nodes[cell]) used[node] = 1;
   }
 
   void choose_around_needed(std::size_t p) {
-    const BodyMesh& part = *parts_[p];
-    const CutCells& cells = *part.cut_cells;
+    const BodyMesh& level = *levels_[p];
+    const CutCells& cells = *level.cut_cells;
     for (int e = 0; e < static_cast<int>(cells.cells.size()); ++e) {
       const bool is_own = is_needed(p, e);
       if (is_own) choose(p, e);
@@ -69,40 +69,40 @@ class CellChoice {
         Index3 next = cells.cells[e];
         ++next[d];
         const int f = cells.find(next);
-        if (f < 0 || !is_ghost_face(part, e, f) || !(is_own || is_needed(p, f))) continue;
+        if (f < 0 || !is_ghost_face(level, e, f) || !(is_own || is_needed(p, f))) continue;
         choose(p, e);
         choose(p, f);
       }
     }
-    for (const LevelFace& face : part.level_faces) choose_level_face(p, face);
+    for (const LevelFace& face : level.level_faces) choose_level_face(p, face);
   }
 
   /// The smaller cell, and the larger one that the virtual child lies in.
   void choose_level_face(std::size_t p, const LevelFace& face) {
-    const BodyMesh& part = *parts_[p];
+    const BodyMesh& level = *levels_[p];
     Index3 child = face.lower;
-    if (child == part.cut_cells->cells[face.cell]) ++child[face.direction];
+    if (child == level.cut_cells->cells[face.cell]) ++child[face.direction];
     bool is_own = is_needed(p, face.cell);
     std::vector<int> nodes;
     for (int a = 0; a < 8; ++a) {
-      nodes.push_back(part.find_node({child[0] + (a & 1), child[1] + (a >> 1 & 1), child[2] + (a >> 2)}));
+      nodes.push_back(level.find_node({child[0] + (a & 1), child[1] + (a >> 1 & 1), child[2] + (a >> 2)}));
       is_own = is_own || needed_[nodes.back()];
     }
     if (!is_own) return;
     choose(p, face.cell);
     for (const int node : nodes) used[node] = 1;
-    for (std::size_t q = first_part_of_body(p); q < p; ++q) {
-      const int steps = halvings(parts_[q]->cut_cells->grid, part.cut_cells->grid);
+    for (std::size_t q = first_level_of_body(p); q < p; ++q) {
+      const int steps = halvings(levels_[q]->cut_cells->grid, level.cut_cells->grid);
       if (steps > 1) continue;
-      const int larger = parts_[q]->cut_cells->find({child[0] >> steps, child[1] >> steps, child[2] >> steps});
+      const int larger = levels_[q]->cut_cells->find({child[0] >> steps, child[1] >> steps, child[2] >> steps});
       if (larger >= 0) choose(q, larger);
     }
   }
 
-  std::size_t first_part_of_body(std::size_t p) const {
+  std::size_t first_level_of_body(std::size_t p) const {
     std::size_t first = 0;
     for (const BodyMesh& mesh : whole_.meshes) {
-      const std::size_t count = std::max<std::size_t>(1, mesh.parts.size());
+      const std::size_t count = std::max<std::size_t>(1, mesh.level_meshes.size());
       if (p < first + count) return first;
       first += count;
     }
@@ -119,13 +119,13 @@ class CellChoice {
   /// A node comes with a cell: if it is used and none of its cells is kept, the first one is.
   void keep_cells_of_used() {
     std::vector<char> has_cell(whole_.num_nodes, 0);
-    for (std::size_t p = 0; p < parts_.size(); ++p)
+    for (std::size_t p = 0; p < levels_.size(); ++p)
       for (std::size_t e = 0; e < keep[p].size(); ++e)
         if (keep[p][e])
-          for (const int node : parts_[p]->cell_nodes[e]) has_cell[node] = 1;
-    for (std::size_t p = 0; p < parts_.size(); ++p)
+          for (const int node : levels_[p]->cell_nodes[e]) has_cell[node] = 1;
+    for (std::size_t p = 0; p < levels_.size(); ++p)
       for (std::size_t e = 0; e < keep[p].size(); ++e) {
-        const auto& nodes = parts_[p]->cell_nodes[e];
+        const auto& nodes = levels_[p]->cell_nodes[e];
         if (keep[p][e] ||
             std::none_of(nodes.begin(), nodes.end(), [&](const int node) { return used[node] && !has_cell[node]; }))
           continue;
@@ -135,7 +135,7 @@ class CellChoice {
   }
 
   const ElasticSystem& whole_;
-  std::vector<const BodyMesh*> parts_;
+  std::vector<const BodyMesh*> levels_;
   const std::vector<char>& needed_;
 
  public:
@@ -164,16 +164,16 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   system_.materials = whole.materials;
   system_.scales = whole.scales;
   cells_.reserve(whole.meshes.size());
-  std::size_t part = 0;
+  std::size_t level = 0;
   for (std::size_t b = 0; b < whole.meshes.size(); ++b) {
     const BodyMesh& mesh = whole.meshes[b];
-    if (mesh.parts.empty()) {
-      cells_.push_back(restricted(*mesh.cut_cells, choice.keep[part++]));
+    if (mesh.level_meshes.empty()) {
+      cells_.push_back(restricted(*mesh.cut_cells, choice.keep[level++]));
     } else {
       cells_.emplace_back();
       cells_.back().grid = mesh.cut_cells->grid;
-      for (const BodyMesh& of_level : mesh.parts)
-        cells_.back().parts.push_back(restricted(*of_level.cut_cells, choice.keep[part++]));
+      for (const BodyMesh& of_level : mesh.level_meshes)
+        cells_.back().level_cells.push_back(restricted(*of_level.cut_cells, choice.keep[level++]));
     }
     system_.meshes.push_back(
         number_body_mesh(cells_[b], whole.materials[b], whole.scales, system_.num_nodes, !mesh.nodes.empty()));
@@ -182,10 +182,10 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   // Both numberings go by body, level and position: numbers of the whole system ascend.
   local_of_whole_.assign(whole.num_nodes, -1);
   whole_nodes_.reserve(system_.num_nodes);
-  const std::vector<const BodyMesh*> parts = system_.parts(), whole_parts = whole.parts();
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    for (int n = 0; n < parts[p]->num_nodes; ++n) {
-      const int in_whole = whole_parts[p]->find_node(parts[p]->nodes[n]);
+  const std::vector<const BodyMesh*> levels = system_.level_meshes(), whole_levels = whole.level_meshes();
+  for (std::size_t p = 0; p < levels.size(); ++p)
+    for (int n = 0; n < levels[p]->num_nodes; ++n) {
+      const int in_whole = whole_levels[p]->find_node(levels[p]->nodes[n]);
       if (in_whole < 0) throw std::logic_error("a node of a rank is none of the whole system");
       local_of_whole_[in_whole] = static_cast<int>(whole_nodes_.size());
       whole_nodes_.push_back(in_whole);
@@ -218,14 +218,14 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
       system_.zero_dofs.push_back(dof_of(n, component_of_dof(dof)));
   system_.dofs = DofMap(system_.num_nodes, system_.constraints, system_.zero_dofs,
                         std::make_shared<const Halo>(comm, whole_nodes_, node_owners, roles, std::move(local_needed)));
-  system_.supports.resize(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p)
+  system_.supports.resize(levels.size());
+  for (std::size_t p = 0; p < levels.size(); ++p)
     for (SupportTerm term : whole.supports[p]) {
       if (!choice.keep[p][term.cell]) continue;
-      term.cell = parts[p]->cut_cells->find(whole_parts[p]->cut_cells->cells[term.cell]);
+      term.cell = levels[p]->cut_cells->find(whole_levels[p]->cut_cells->cells[term.cell]);
       system_.supports[p].push_back(term);
     }
-  for (std::vector<SupportTerm>& of_part : system_.supports) of_part.shrink_to_fit();
+  for (std::vector<SupportTerm>& terms : system_.supports) terms.shrink_to_fit();
   order_.reserve(whole.num_nodes - whole.constraints.size());
   for (int rank = 0; rank < num_ranks(); ++rank)
     for (int n = 0; n < whole.num_nodes; ++n)
@@ -233,14 +233,14 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   owners_.of_cell = std::vector<std::vector<int>>();
 }
 
-void RankShare::tell_work() const {
+void RankShare::record_counts() const {
   const Halo& halo = *system_.dofs.halo();
   RankWork& work = work_of_rank();
   work.unknowns = dofs_per_node * static_cast<double>(halo.num_owned());
   work.ghosts = dofs_per_node * static_cast<double>(halo.num_ghosts());
   work.cut_cells = 0;
-  for (const BodyMesh* part : system_.parts())
-    for (const int cell : part->cut_cells->active_of_cut) work.cut_cells += system_.needs_cell(*part, cell);
+  for (const BodyMesh* level : system_.level_meshes())
+    for (const int cell : level->cut_cells->active_of_cut) work.cut_cells += system_.needs_cell(*level, cell);
 }
 
 void RankShare::set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows) {
@@ -252,7 +252,7 @@ std::vector<GroupRow> RankShare::own_entries(const std::vector<GroupRow>& rows) 
   std::vector<GroupRow> own;
   own.reserve(rows.size());
   for (const GroupRow& row : rows) {
-    own.push_back({{}, row.part, row.cell, row.family});
+    own.push_back({{}, row.level, row.cell, row.family});
     for (const auto& [dof, value] : row.entries)
       if (owns(node_of_dof(dof)))
         own.back().entries.emplace_back(dof_of(local(node_of_dof(dof)), component_of_dof(dof)), value);
@@ -297,8 +297,8 @@ namespace {
 void keep_grid(CutCells& cells) {
   CutCells grid;
   grid.grid = cells.grid;
-  for (CutCells& part : cells.parts) keep_grid(part);
-  grid.parts = std::move(cells.parts);
+  for (CutCells& level : cells.level_cells) keep_grid(level);
+  grid.level_cells = std::move(cells.level_cells);
   cells = std::move(grid);
 }
 
@@ -308,19 +308,19 @@ void free_memory(Container& container) {
   container = Container();
 }
 
-void keep_places(BodyMesh& mesh) {
+void keep_positions(BodyMesh& mesh) {
   free_memory(mesh.cell_nodes);
   free_memory(mesh.node_numbers);
   free_memory(mesh.level_faces);
-  for (BodyMesh& part : mesh.parts) keep_places(part);
+  for (BodyMesh& level : mesh.level_meshes) keep_positions(level);
 }
 
 }  // namespace
 
 void drop_cells(std::vector<CutCells>& bodies, ElasticSystem& system) {
   for (CutCells& body : bodies) keep_grid(body);
-  for (BodyMesh& mesh : system.meshes) keep_places(mesh);
-  for (std::vector<SupportTerm>& of_part : system.supports) free_memory(of_part);
+  for (BodyMesh& mesh : system.meshes) keep_positions(mesh);
+  for (std::vector<SupportTerm>& terms : system.supports) free_memory(terms);
 }
 
 }  // namespace cgcontact

@@ -24,7 +24,7 @@ class RankShare {
   const std::vector<int>& whole_nodes() const { return whole_nodes_; }  ///< of each local node, ascending
 
   /// Adds this rank's counts to RankWork (core/base/ranks.hpp).
-  void tell_work() const;
+  void record_counts() const;
 
   /// Takes over the rows of the contact groups of the whole system, unless it has the same, and their stiffness.
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows);

@@ -60,12 +60,12 @@ std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNo
       for (int layer = 0; layer < GhostFace<degree>::num_layers; ++layer)
         for (int t = 0; t < Element::nodes_per_face; ++t) {
           const bool upper = layer > degree;
-          Index3 place;
-          place[d] = upper ? layer - degree : layer;
-          place[t1] = t % Element::nodes_per_line;
-          place[t2] = t / Element::nodes_per_line;
+          Index3 position;
+          position[d] = upper ? layer - degree : layer;
+          position[t1] = t % Element::nodes_per_line;
+          position[t2] = t / Element::nodes_per_line;
           face.nodes[layer * Element::nodes_per_face + t] =
-              cell_nodes[upper ? f : e][Element::node(place[0], place[1], place[2])];
+              cell_nodes[upper ? f : e][Element::node(position[0], position[1], position[2])];
         }
       faces.push_back(face);
     }
@@ -77,11 +77,11 @@ std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNo
       face.ring = mesh.ring_of_face(c, d);
       face.colour = ((d * 3 + (c[d] + 1) % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
       for (int n = 0; n < GhostFace<degree>::num_nodes; ++n) {
-        Index3 place = c;
-        place[d] += n / Element::nodes_per_face;
-        place[t1] += n & 1;
-        place[t2] += n >> 1 & 1;
-        face.nodes[n] = mesh.find_node(place);
+        Index3 position = c;
+        position[d] += n / Element::nodes_per_face;
+        position[t1] += n & 1;
+        position[t2] += n >> 1 & 1;
+        face.nodes[n] = mesh.find_node(position);
       }
       faces.push_back(face);
     }

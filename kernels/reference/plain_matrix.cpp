@@ -24,8 +24,8 @@ struct HostFaces {
 
 std::vector<HostFaces> ghost_faces(const ElasticSystem& system) {
   std::vector<HostFaces> faces;
-  for (const BodyMesh* part : system.parts()) {
-    const ColouredMesh mesh = colour_mesh(*part);
+  for (const BodyMesh* level : system.level_meshes()) {
+    const ColouredMesh mesh = colour_mesh(*level);
     faces.push_back({Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.nodes_of_face),
                      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.ring_of_face)});
   }
@@ -43,9 +43,9 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
     list.erase(std::unique(list.begin(), list.end()), list.end());
     list.shrink_to_fit();
   };
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    const BodyMesh& mesh = *parts[b];
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (std::size_t b = 0; b < levels.size(); ++b) {
+    const BodyMesh& mesh = *levels[b];
     for (const auto& nodes : mesh.cell_nodes) connect(nodes, 8);
     const auto& faces = ghost_faces[b].nodes;
     for (std::size_t f = 0; f < faces.extent(0); ++f) connect(&faces(f, 0), 12);
@@ -65,9 +65,9 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
 }
 
 void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, BlockMatrix& A) {
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    const BodyMesh& mesh = *parts[b];
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (std::size_t b = 0; b < levels.size(); ++b) {
+    const BodyMesh& mesh = *levels[b];
     const CellMatrixView matrices = make_cell_matrices(mesh, system.supports[b]);
     const GhostMatrix ghost = make_ghost_matrix(mesh, system.ghost_penalty);
     auto K = Kokkos::create_mirror_view(matrices);

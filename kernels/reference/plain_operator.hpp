@@ -1,6 +1,6 @@
 /// Reference of the fast operator: element matrices and plain kernels, for elements of degree 1 or 2. Degree 1 works on
-/// the system's own nodes; degree 2 has nodes of its own (nodes(part)), and no contact groups yet, whose rows are those
-/// of trilinear nodes.
+/// the system's own nodes; degree 2 has nodes of its own (nodes(level)), and no contact groups yet, whose rows are
+/// those of trilinear nodes.
 #pragma once
 
 #include <stdexcept>
@@ -19,19 +19,19 @@ class PlainOperator {
     int num_nodes = 0;
     if (degree != 1 && !system.constraints.empty())
       throw std::logic_error("plain operator: nodes are constrained for trilinear elements only");
-    const std::vector<const BodyMesh*> parts = system.parts();
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      nodes_.push_back(number_element_nodes<degree>(*parts[p]->cut_cells, num_nodes, virtual_cells(*parts[p])));
-      num_nodes += static_cast<int>(nodes_.back().places.size());
-      meshes_.push_back(colour_mesh<degree>(*parts[p], nodes_.back().of_cell));
-      matrices_.push_back(make_cell_matrices<degree>(*parts[p], system.supports[p]));
-      ghosts_.push_back(make_ghost_matrix<degree>(*parts[p], system.ghost_penalty));
+    const std::vector<const BodyMesh*> levels = system.level_meshes();
+    for (std::size_t p = 0; p < levels.size(); ++p) {
+      nodes_.push_back(number_element_nodes<degree>(*levels[p]->cut_cells, num_nodes, virtual_cells(*levels[p])));
+      num_nodes += static_cast<int>(nodes_.back().positions.size());
+      meshes_.push_back(colour_mesh<degree>(*levels[p], nodes_.back().of_cell));
+      matrices_.push_back(make_cell_matrices<degree>(*levels[p], system.supports[p]));
+      ghosts_.push_back(make_ghost_matrix<degree>(*levels[p], system.ghost_penalty));
     }
     dofs_ = DofMap(num_nodes, system.constraints, system.zero_dofs);
   }
 
   const DofMap& dofs() const { return dofs_; }
-  const ElementNodes<degree>& nodes(std::size_t part) const { return nodes_[part]; }
+  const ElementNodes<degree>& nodes(std::size_t level) const { return nodes_[level]; }
 
   /// y = A x, with the present stiffness of the contact groups. x is consistent, y is zero at constrained nodes.
   template <class Exec, class X, class Y>

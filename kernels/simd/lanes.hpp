@@ -116,7 +116,7 @@ inline Eight<Real> load_three_and_three(const Real* a, const Real* b) {
 }
 
 template <class Real>
-struct Pieces {
+struct ShortVectors {
   typedef Real Four __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
   typedef Real Two __attribute__((vector_size(2 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
 };
@@ -125,8 +125,8 @@ struct Pieces {
 /// nearby (a quarter of the time of the cut cells).
 template <bool subtract, class Real>
 inline void add_six(Real* to, const Real* v) {
-  using Four = typename Pieces<Real>::Four;
-  using Two = typename Pieces<Real>::Two;
+  using Four = typename ShortVectors<Real>::Four;
+  using Two = typename ShortVectors<Real>::Two;
   const Four four = *reinterpret_cast<const Four*>(v);
   const Two two = *reinterpret_cast<const Two*>(v + 4);
   if (subtract) {
@@ -140,14 +140,14 @@ inline void add_six(Real* to, const Real* v) {
 
 template <class Real>
 inline void add_eight(Real* to, const Real* v) {
-  using Four = typename Pieces<Real>::Four;
+  using Four = typename ShortVectors<Real>::Four;
   *reinterpret_cast<Four*>(to) += *reinterpret_cast<const Four*>(v);
   *reinterpret_cast<Four*>(to + 4) += *reinterpret_cast<const Four*>(v + 4);
 }
 
 template <class Real>
 inline void add_three(Real* to, const Real* v) {
-  using Two = typename Pieces<Real>::Two;
+  using Two = typename ShortVectors<Real>::Two;
   *reinterpret_cast<Two*>(to) += *reinterpret_cast<const Two*>(v);
   to[2] += v[2];
 }

@@ -153,7 +153,7 @@ struct LinearSolver::Impl {
     multigrid = rcp(new Multigrid(system, settings));
     map = multigrid->getDomainMap();
     preconditioner = on_rigid_motions(multigrid);
-    if (share()) share()->tell_work();
+    if (share()) share()->record_counts();
     if (!rigid_motions) return;
     if (share()) rigid_motions->set_share(*share());
     preconditioner = rcp(new WithRigidMotions(preconditioner, *rigid_motions));

@@ -37,11 +37,11 @@ RigidCoarseSpace::RigidCoarseSpace(const ExecSpace& exec, const ElasticSystem& s
     bodies_.push_back(std::move(body));
   }
   if (empty()) return;
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (std::size_t p = 0; p < parts.size(); ++p)
+  const std::vector<const BodyMesh*> levels = system.level_meshes();
+  for (std::size_t p = 0; p < levels.size(); ++p)
     for (const SupportTerm& term : system.supports[p]) {
       std::vector<std::pair<int, double>> entries;
-      displacement_row(parts[p]->cell_nodes[term.cell], term.xi, term.direction,
+      displacement_row(levels[p]->cell_nodes[term.cell], term.xi, term.direction,
                        [&](int dof, double value) { entries.emplace_back(dof, value); });
       Row row = make_row(std::move(entries), term.stiffness);
       if (!row.on_motions.empty()) supports_.push_back(std::move(row));
@@ -58,12 +58,12 @@ RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
   for (int n = 0; n < mesh.num_nodes; ++n) spread += (mesh.node_position(n) - body.centre).squaredNorm();
   body.size = std::sqrt(spread / mesh.num_nodes);
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
-  const std::vector<const BodyMesh*> parts = system_.parts();
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    if (parts[p]->first_node < mesh.first_node || parts[p]->first_node >= mesh.first_node + mesh.num_nodes) continue;
+  const std::vector<const BodyMesh*> levels = system_.level_meshes();
+  for (std::size_t p = 0; p < levels.size(); ++p) {
+    if (levels[p]->first_node < mesh.first_node || levels[p]->first_node >= mesh.first_node + mesh.num_nodes) continue;
     for (const SupportTerm& term : system_.supports[p]) {
       Motion row = Motion::Zero();
-      displacement_row(parts[p]->cell_nodes[term.cell], term.xi, term.direction,
+      displacement_row(levels[p]->cell_nodes[term.cell], term.xi, term.direction,
                        [&](int dof, double value) { add_entry(mesh, body.centre, body.size, dof, value, row); });
       held += term.stiffness * row * row.transpose();
     }

@@ -193,14 +193,14 @@ def reference_curve():
 
 def pressure_error(n, nodal):
     """Relative L2 error of the bilinear interpolant of nodal(i, j) over the face: 3 Gauss points along x, 3 on each of
-    16 parts of a cell along y (the reference has a kink in its slope inside a cell)."""
+    16 intervals of a cell along y (the reference has a kink in its slope inside a cell)."""
     reference = reference_curve()
-    parts, ny = 16, n // 2
+    intervals, ny = 16, n // 2
     error = norm = 0.0
     for j in range(ny):
-        for part in range(parts):
+        for k in range(intervals):
             for s, w in GAUSS:
-                t = (part + s) / parts
+                t = (k + s) / intervals
                 exact = reference(WIDTH * (j + t) / ny)
                 along = [(1 - t) * nodal(i, j) + t * nodal(i, j + 1) for i in range(n + 1)]
                 norm += w * n * exact * exact

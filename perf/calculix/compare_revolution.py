@@ -17,7 +17,7 @@ CalculiX (Debian package calculix-ccx) gets what suits it best: structured meshe
 sphere, match at the contact and know where the zone is: n elements over a, four times smaller ones around its end,
 twice as large from one to the next away from it; motion given instead of force, one increment. Faces that reach the
 axis have no contact pressure in it, so that its meshes leave out a hole of a/10,000, held at its side. Where the zone
-ends in an element decides part of the error: each size is run at several positions, a = (n + position) elements. Its
+ends in an element decides much of the error: each size is run at several positions, a = (n + position) elements. Its
 pressure is the nodal one of the contact face or that of its averaged nodal stress, between the nodes linear or
 quadratic: whichever of the four is nearest to Hertz counts. Its force is that of the support.
 
@@ -156,11 +156,11 @@ class Mesh:
     """Elements of one body on a lattice of corners and, if quadratic, middles: nodes by (i, k), i along r, k away from
     the contact."""
 
-    def __init__(self, r, depth, order, first_node, first_element, place):
+    def __init__(self, r, depth, order, first_node, first_element, position):
         self.order, self.first_node, self.first_element = order, first_node, first_element
         self.r, self.depth = self.with_middles(r), self.with_middles(depth)
         self.across, self.along = len(r) - 1, len(depth) - 1
-        self.place = place
+        self.position = position
 
     def with_middles(self, corners):
         if self.order == 1:
@@ -177,7 +177,7 @@ class Mesh:
         for k in range(len(self.depth)):
             for i in range(len(self.r)):
                 if self.order == 1 or i % 2 == 0 or k % 2 == 0:
-                    yield self.node(i, k), self.place(self.r[i], self.depth[k])
+                    yield self.node(i, k), self.position(self.r[i], self.depth[k])
 
     def elements(self, turned):
         """Number and nodes, counterclockwise; `turned` where k grows upwards."""
@@ -264,12 +264,12 @@ def between(nodes, values, r, order):
 
 
 def pressure_error(nodes, values, order):
-    """Relative L2 error of the interpolated pressure, 3 Gauss points on each of 16 parts between two nodes."""
+    """Relative L2 error of the interpolated pressure, 3 Gauss points on each of 16 intervals between two nodes."""
     error = norm = 0.0
     for a, b in zip(nodes, nodes[1:]):
-        for part in range(16 if a < 2 * ZONE else 0):
+        for k in range(16 if a < 2 * ZONE else 0):
             for s, w in GAUSS:
-                r = a + (b - a) * (part + s) / 16
+                r = a + (b - a) * (k + s) / 16
                 exact = hertz(r)
                 error += w * (b - a) * r * (between(nodes, values, r, order) - exact) ** 2
                 norm += w * (b - a) * r * exact ** 2
@@ -415,13 +415,13 @@ def self_test():
     assert abs(sum(graded(1e-5, 1e-2, 1.25)) - 1e-2) < 1e-15
     for settings in (Settings(8), Settings(16, element="CAX4")):
         for mesh in meshes(settings):
-            places = dict(mesh.nodes())
-            for _, nodes in mesh.elements(mesh.place(0, 1)[1] > 0):
-                corners = [places[node] for node in nodes[:4]]
+            positions = dict(mesh.nodes())
+            for _, nodes in mesh.elements(mesh.position(0, 1)[1] > 0):
+                corners = [positions[node] for node in nodes[:4]]
                 assert sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(corners, corners[1:] + corners[:1])) > 0
                 for c, node in enumerate(nodes[4:]):
                     ends = corners[c], corners[(c + 1) % 4]
-                    assert math.dist(places[node], [(a + b) / 2 for a, b in zip(*ends)]) < 0.1 * math.dist(*ends)
+                    assert math.dist(positions[node], [(a + b) / 2 for a, b in zip(*ends)]) < 0.1 * math.dist(*ends)
     errors = []
     for n in (8, 16, 32):
         nodes = [ZONE * k / (2 * n + 1) for k in range(4 * n + 3)]

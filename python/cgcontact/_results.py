@@ -162,9 +162,9 @@ def _read_table(path, vectors, bodies, pairs):
     numbers = {"body": {name: k for k, name in enumerate(bodies)}, "pair": {name: k for k, name in enumerate(pairs)}}
     table = Names({name: np.array([numbers[name][text] for text in columns.pop(name)], dtype=np.int32)
                    for name in ("body", "pair")})
-    for name, parts in vectors.items():
-        if all(part in columns for part in parts):
-            table[name] = np.array([columns.pop(part) for part in parts], dtype=float).reshape(len(parts), -1).T
+    for name, components in vectors.items():
+        if all(component in columns for component in components):
+            table[name] = np.array([columns.pop(c) for c in components], dtype=float).reshape(len(components), -1).T
     for name, texts in columns.items():
         table[name] = np.array([text or "nan" for text in texts], dtype=float).astype(_WHOLE.get(name, float))
     return table

@@ -1,7 +1,7 @@
 /// Constrained least-squares fits of many patches at once, one patch per SIMD lane: the fast path of SPR-C (plain
 /// reference: tests/support/constrained_fit.hpp). Per patch: minimise sum_b |L_b^T (a_b - a0_b)|^2, m_b = L_b L_b^T,
 /// subject to the interior rows of each body (recovery/patch/polynomials.hpp) and to `rows`, each sum_b weight_b :
-/// sigma_b(place_b) = value.
+/// sigma_b(position_b) = value.
 ///
 /// How to use it, with one or two bodies and polynomials of degree 1 or 2:
 ///
@@ -22,8 +22,8 @@ namespace cgcontact {
 /// Linear condition on the stresses at one point per body. Scale does not matter: rows are normalised.
 template <int bodies>
 struct FitRow {
-  double weight[bodies][6];  ///< on xx, yy, zz, xy, yz, zx; zeros for a body that is not in it
-  double place[bodies][3];   ///< from the centre of the body's polynomial, cell units
+  double weight[bodies][6];    ///< on xx, yy, zz, xy, yz, zx; zeros for a body that is not in it
+  double position[bodies][3];  ///< from the centre of the body's polynomial, cell units
   double value;
 };
 

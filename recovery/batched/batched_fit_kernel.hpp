@@ -79,7 +79,7 @@ class FitKernel {
     scale_ = take(n_), target_ = take(n_), defect_ = take(n_), live_ = take(n_), mu_ = take(n_);
     const int tiled = n_ - num_interior + row_tile;
     weight_ = take(static_cast<std::size_t>(tiled) * bodies * 6);
-    place_ = take(static_cast<std::size_t>(tiled) * bodies * 3);
+    position_ = take(static_cast<std::size_t>(tiled) * bodies * 3);
     y_ = take(static_cast<std::size_t>(tiled) * bodies * T);
     work_ = scratch;
   }
@@ -159,7 +159,7 @@ class FitKernel {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION Real* weight(int r, int b) const { return weight_ + (r * bodies + b) * 6; }
-  KOKKOS_FORCEINLINE_FUNCTION Real* place(int r, int b) const { return place_ + (r * bodies + b) * 3; }
+  KOKKOS_FORCEINLINE_FUNCTION Real* position(int r, int b) const { return position_ + (r * bodies + b) * 3; }
   KOKKOS_FORCEINLINE_FUNCTION Real* y(int r, int b) const { return y_ + (r * bodies + b) * T; }
 
   /// Reads normalised weights, points, whitened terms; rows that a lane has not, or that say nothing, get weight zero.
@@ -183,8 +183,8 @@ class FitKernel {
       good_ = good_ & ((finite == zero) | absent);
       for (int b = 0; b < bodies; ++b) {
         Real p[T], w2 = zero, y2 = zero;
-        for (int i = 0; i < 3; ++i) place(r, b)[i] = select<Real>(exists & good_, in[6 * bodies + 3 * b + i], zero);
-        P::terms(place(r, b), p);
+        for (int i = 0; i < 3; ++i) position(r, b)[i] = select<Real>(exists & good_, in[6 * bodies + 3 * b + i], zero);
+        P::terms(position(r, b), p);
         for (int i = 0; i < T; ++i) {
           Real sum = inverse_[b][packed_row(i)] * p[0];
           for (int k = 1; k <= i; ++k) sum += inverse_[b][packed_row(i) + k] * p[k];
@@ -207,7 +207,7 @@ class FitKernel {
 
   KOKKOS_INLINE_FUNCTION void clear_row(int r) {
     for (int i = 0; i < bodies * 6; ++i) weight(r, 0)[i] = Real{};
-    for (int i = 0; i < bodies * 3; ++i) place(r, 0)[i] = Real{};
+    for (int i = 0; i < bodies * 3; ++i) position(r, 0)[i] = Real{};
     for (int i = 0; i < bodies * T; ++i) y(r, 0)[i] = Real{};
     if (num_interior + r < n_) live_[num_interior + r] = target_[num_interior + r] = Real{};
   }
@@ -287,7 +287,7 @@ class FitKernel {
       Real sum = target_[num_interior + r];
       for (int b = 0; b < bodies; ++b) {
         Real p[T];
-        P::terms(place(r, b), p);
+        P::terms(position(r, b), p);
         for (int c = 0; c < 6; ++c) {
           Real stress = a_[b][c][0];
           for (int t = 1; t < T; ++t) stress += a_[b][c][t] * p[t];
@@ -376,7 +376,7 @@ class FitKernel {
       }
       for (int r = 0; r < n_ - num_interior; ++r) {
         Real p[T];
-        P::terms(place(r, b), p);
+        P::terms(position(r, b), p);
         for (int t = 0; t < T; ++t) p[t] *= mu_[num_interior + r];
         for (int c = 0; c < 6; ++c)
           for (int t = 0; t < T; ++t) sum[c][t] += weight(r, b)[c] * p[t];
@@ -437,7 +437,7 @@ class FitKernel {
   Mask good_, unsolved_;
   Real a_[bodies][6][T], factor_[bodies][num_packed], inverse_[bodies][num_packed], metric_[bodies][T][T];
   Real stiffness_[bodies] = {};  ///< 1 / (1 + nu)
-  Real *gram_, *scale_, *target_, *defect_, *live_, *mu_, *weight_, *place_, *y_, *work_;
+  Real *gram_, *scale_, *target_, *defect_, *live_, *mu_, *weight_, *position_, *y_, *work_;
 };
 
 }  // namespace cgcontact

@@ -1,6 +1,6 @@
 /// Small symmetric systems, one per lane: packed Cholesky, and the truncated pseudo-inverse applied to a vector.
 /// Matrices are lower triangles by rows, entry (r, s) at row(r)[s]. No lane's result depends on the others': a lane
-/// that is done, or has fewer rows, takes part with rotations and rows that change nothing.
+/// that is done, or has fewer rows, gets rotations and rows that change nothing.
 #pragma once
 
 #include "kernels/simd/lane_math.hpp"
@@ -238,28 +238,28 @@ KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int 
 /// upper: a bound.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Real largest_eigenvalue(const Real* d, const Real* e, int n, Real upper) {
-  constexpr int parts = 5, rounds = 14;  // 5^-14 = 2e-10 of upper - lower, which is less than upper / 2
+  constexpr int intervals = 5, rounds = 14;  // 5^-14 = 2e-10 of upper - lower, which is less than upper / 2
   const Real tiny = Real{} + 1e-300;
   Real lower = d[0];
   for (int k = 1; k < n; ++k) lower = larger<Real>(lower, d[k]);
   for (int round = 0; round < rounds; ++round) {
-    const Real step = (upper - lower) / parts;
-    Real at[parts - 1], pivot[parts - 1];
-    MaskOf<Real> above[parts - 1];  // all eigenvalues lie below
-    for (int i = 0; i + 1 < parts; ++i) {
+    const Real step = (upper - lower) / intervals;
+    Real at[intervals - 1], pivot[intervals - 1];
+    MaskOf<Real> above[intervals - 1];  // all eigenvalues lie below
+    for (int i = 0; i + 1 < intervals; ++i) {
       at[i] = lower + (i + 1.0) * step;
       pivot[i] = at[i] - d[0];
       above[i] = pivot[i] > 0;
     }
     for (int k = 1; k < n; ++k)
 #pragma GCC unroll 4
-      for (int i = 0; i + 1 < parts; ++i) {
+      for (int i = 0; i + 1 < intervals; ++i) {
         pivot[i] = at[i] - d[k] - e[k - 1] * e[k - 1] / select<Real>(pivot[i] > 0, pivot[i], tiny);
         above[i] = above[i] & (pivot[i] > 0);
       }
     Real low = lower, high = upper;
-    for (int i = 0; i + 1 < parts; ++i) low = select<Real>(above[i], low, at[i]);
-    for (int i = parts - 2; i >= 0; --i) high = select<Real>(above[i], at[i], high);
+    for (int i = 0; i + 1 < intervals; ++i) low = select<Real>(above[i], low, at[i]);
+    for (int i = intervals - 2; i >= 0; --i) high = select<Real>(above[i], at[i], high);
     lower = low, upper = high;
   }
   return upper;

@@ -21,10 +21,10 @@ class FitDispatch {
   void run(int n) const {
     const Numbers order(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::batched_fit::order"), n);
     const Numbers left("cgcontact::batched_fit::left", n);
-    const int most_rows = sort(order);
-    solve(order, n, most_rows, Kernel::Solver::cholesky, left);
+    const int max_rows = sort(order);
+    solve(order, n, max_rows, Kernel::Solver::cholesky, left);
     const int num_left = keep_left(order, left);
-    if (num_left > 0) solve(order, num_left, most_rows, Kernel::Solver::spectral, left);
+    if (num_left > 0) solve(order, num_left, max_rows, Kernel::Solver::spectral, left);
     exec_.fence();
   }
 
@@ -40,20 +40,20 @@ class FitDispatch {
           largest = patches[i].num_rows > largest ? patches[i].num_rows : largest;
         },
         Kokkos::Max<int>(most));
-    const Numbers place("cgcontact::batched_fit::place", most + 1);
+    const Numbers offset("cgcontact::batched_fit::place", most + 1);
     Kokkos::parallel_for(
         "cgcontact::batched_fit::count_rows", Kokkos::RangePolicy<Exec>(exec_, 0, n),
-        KOKKOS_LAMBDA(const int i) { Kokkos::atomic_increment(&place(patches[i].num_rows)); });
+        KOKKOS_LAMBDA(const int i) { Kokkos::atomic_increment(&offset(patches[i].num_rows)); });
     Kokkos::parallel_scan(
         "cgcontact::batched_fit::places", Kokkos::RangePolicy<Exec>(exec_, 0, most + 1),
         KOKKOS_LAMBDA(const int rows, int& sum, const bool is_final) {
-          const int count = place(rows);
-          if (is_final) place(rows) = sum;
+          const int count = offset(rows);
+          if (is_final) offset(rows) = sum;
           sum += count;
         });
     Kokkos::parallel_for(
         "cgcontact::batched_fit::sort", Kokkos::RangePolicy<Exec>(exec_, 0, n),
-        KOKKOS_LAMBDA(const int i) { order(Kokkos::atomic_fetch_add(&place(patches[i].num_rows), 1)) = i; });
+        KOKKOS_LAMBDA(const int i) { order(Kokkos::atomic_fetch_add(&offset(patches[i].num_rows), 1)) = i; });
     return most;
   }
 
@@ -81,12 +81,12 @@ class FitDispatch {
 
   /// Solves in batches. A batch is a team; its work space is the team's scratch memory, and where that is too small,
   /// for hundreds of rows, a view that the batches use in turn.
-  void solve(const Numbers& order, int n, int most_rows, Solver solver, const Numbers& left) const {
+  void solve(const Numbers& order, int n, int max_rows, Solver solver, const Numbers& left) const {
     Input* const patches = patches_;
     FitStatus* const status = status_;
     const double tolerance = tolerance_;
     const int num_batches = (n + lanes - 1) / lanes;
-    const std::size_t bytes = Kernel::scratch_size(most_rows) * sizeof(Real) + alignment;
+    const std::size_t bytes = Kernel::scratch_size(max_rows) * sizeof(Real) + alignment;
     if (bytes <= static_cast<std::size_t>(Policy::scratch_size_max(1))) {
       Policy policy(exec_, num_batches, 1);
       policy.set_scratch_size(1, Kokkos::PerTeam(static_cast<int>(bytes)));

@@ -154,7 +154,7 @@ void PatchClass<degree, bodies>::subtract_edge_terms() {
     const int i = patches_[k];
     if (lists_.edge[i] < 0) return;
     const EdgeTerms::Term& term = lists_.edges[lists_.edge[i]];
-    const ListPart<int> cells = lists_.cells[i];
+    const ListRange<int> cells = lists_.cells[i];
     subtract_edge_term<degree>(*context_.body.mesh, cells.first, cells.size(), lists_.centre[i], lists_.unit[i],
                                term.edge, term.factor, inputs_(k).mass[0], inputs_(k).a[0][0]);
   });
@@ -205,7 +205,7 @@ void PatchClass<degree, bodies>::hold_firm_rows() {
       if (!of.firm[r]) continue;
       FitRow<1>& row = rows.emplace_back();
       std::copy_n(of.rows[r].weight[0], 6, row.weight[0]);
-      std::copy_n(of.rows[r].place[0], 3, row.place[0]);
+      std::copy_n(of.rows[r].position[0], 3, row.position[0]);
       row.value = of.rows[r].value;
     }
     if (static_cast<int>(rows.size()) == begin.back()) continue;
@@ -242,7 +242,7 @@ void PatchClass<degree, bodies>::constrain(const PatchRows& rows) {
   subtract_edge_terms();
   add_rows(rows);
   if constexpr (bodies == 2)
-    if (context_.options.inverse_variance) weigh_auxiliary(context_.exec, context_.options.most_weight, arrays());
+    if (context_.options.inverse_variance) weigh_auxiliary(context_.exec, context_.options.max_weight, arrays());
   const double tolerance = context_.options.rank_tolerance_of(degree, context_.grid.is_axisymmetric());
   solve(0, num_unbonded_, tolerance);
   solve(num_unbonded_, patches_.size() - num_unbonded_, bonded_tolerance * tolerance);

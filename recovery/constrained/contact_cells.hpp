@@ -16,7 +16,7 @@ struct PatchContactPoint {
 };
 
 /// Contact points of one pair in one cell.
-struct ContactPiece {
+struct ContactFacet {
   int pair = -1, other_body = -1;
   double area = 0, closed_area = 0;       ///< m^2; of points that are pressed
   double unknown_area = 0;                ///< m^2, of the closed area: where no problem on the face knows the pressure
@@ -28,7 +28,7 @@ struct ContactPiece {
   int first_under = 0, num_under = 0;   ///< cells of the other body below the points, ascending; in their list
 };
 
-/// Lists of pieces, points and cells below them, one after the other in the order of the cells.
+/// Lists of facets, points and cells below them, one after the other in the order of the cells.
 class ContactCells {
  public:
   /// Sums the contact points by cell. known: may be null. `integrals`: by body; cells below the points count down to
@@ -36,30 +36,30 @@ class ContactCells {
   ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals, int index,
                double depth, const KnownPressures* known);
 
-  /// Calls use(piece) for all pieces of a pair in these cells, or of all pairs (-1).
+  /// Calls use(facet) for all facets of a pair in these cells, or of all pairs (-1).
   template <class Use>
-  void each(const ListPart<int>& cells, int pair, const Use& use) const {
+  void each(const ListRange<int>& cells, int pair, const Use& use) const {
     for (const int cell : cells) {
       const int row = row_of_cell_[cell];
       if (row < 0) continue;
-      for (int p = piece_begin_[row]; p < piece_begin_[row + 1]; ++p)
-        if (pair < 0 || pieces_[p].pair == pair) use(pieces_[p]);
+      for (int p = facet_begin_[row]; p < facet_begin_[row + 1]; ++p)
+        if (pair < 0 || facets_[p].pair == pair) use(facets_[p]);
     }
   }
 
   /// Returns the points in the order of the body's contact links.
-  ListPart<PatchContactPoint> points(const ContactPiece& piece) const {
-    const PatchContactPoint* first = points_.data() + piece.first_point;
-    return {first, first + piece.num_points};
+  ListRange<PatchContactPoint> points(const ContactFacet& facet) const {
+    const PatchContactPoint* first = points_.data() + facet.first_point;
+    return {first, first + facet.num_points};
   }
-  ListPart<int> under(const ContactPiece& piece) const {
-    const int* first = under_.data() + piece.first_under;
-    return {first, first + piece.num_under};
+  ListRange<int> under(const ContactFacet& facet) const {
+    const int* first = under_.data() + facet.first_under;
+    return {first, first + facet.num_under};
   }
 
  private:
-  std::vector<int> row_of_cell_, piece_begin_;
-  std::vector<ContactPiece> pieces_;
+  std::vector<int> row_of_cell_, facet_begin_;
+  std::vector<ContactFacet> facets_;
   std::vector<PatchContactPoint> points_;
   std::vector<int> under_;
 };

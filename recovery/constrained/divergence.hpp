@@ -10,11 +10,11 @@ namespace cgcontact {
 
 /// Returns div sigma at a point of a body, per `unit` of length (both in its grid coordinates); in units of
 /// Scales::stress, grid axes.
-inline Vec3 divergence_at(const BoundaryData& boundary, const Grid& grid, double stress_scale, const Vec3& place,
+inline Vec3 divergence_at(const BoundaryData& boundary, const Grid& grid, double stress_scale, const Vec3& position,
                           double unit) {
   if (!boundary.body_force_at) return Vec3::Zero();
   return -unit * grid.cell_size / stress_scale *
-         (grid.rotation.transpose() * boundary.body_force_at(grid.to_global(place)));
+         (grid.rotation.transpose() * boundary.body_force_at(grid.to_global(position)));
 }
 
 /// Returns div sigma at the nodes of a body, per unit of their polynomials; empty without body forces. Refers to the

@@ -59,7 +59,7 @@ KOKKOS_INLINE_FUNCTION bool fit_polynomial(const CellSums& sums, double* mass, d
   constexpr double min_pivot = degree == 1 ? min_linear_pivot : min_quadratic_pivot;
   double factor[T][T];
   for (int i = 0, entry = 0; i < T; ++i)
-    for (int j = 0; j <= i; ++j) mass[entry++] = factor[i][j] = sums.moments[place_of_product(i, j)];
+    for (int j = 0; j <= i; ++j) mass[entry++] = factor[i][j] = sums.moments[index_of_product(i, j)];
   for (int i = 0; i < T; ++i) {
     const double own = factor[i][i];
     for (int j = 0; j < i; ++j) {

@@ -20,14 +20,14 @@ constexpr double pass_variance = 1. / 3;
 /// Number of passes (cells of an eighth of the other body's) up to which they are made one by one: their cost grows
 /// with the fourth power of that ratio. More are taken together, in steps whose forces are as good as those of a
 /// Gaussian.
-constexpr double most_passes = 192;
+constexpr double max_passes = 192;
 constexpr int implicit_steps = 4;
 /// Cells within which forces of patches that carry no pressure go to others.
 constexpr int steps_aside = 2;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
 /// Least sum of a pair's forces relative to their magnitudes for it to have a direction.
-constexpr double least_resultant = 0.5;
+constexpr double min_resultant = 0.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
 constexpr double normal_tolerance = 0.1;
 
@@ -73,7 +73,7 @@ Vec3 resultant_of_pair(const RecoveryBody& body, int pair) {
     sum += link.weight * link.pressure * link.normal;
     magnitudes += link.weight * std::abs(link.pressure);
   }
-  return sum.norm() > least_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
+  return sum.norm() > min_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
 }
 
 /// Returns the fraction of the area of a boundary point that counts. Forces act along the normal of the body with the
@@ -122,13 +122,13 @@ class PairFace {
       for (int a = 0; a < 8; ++a)
         each_master(mesh_, mesh_.cell_nodes[cell][a] - mesh_.first_node, [&](int node, double weight) {
           const int number = add_node(node);
-          const auto place = std::find(latest_.number.begin(), latest_.number.end(), number);
-          shares_.push_back({a, static_cast<int>(place - latest_.number.begin()), weight});
-          if (place == latest_.number.end()) latest_.number.push_back(number);
+          const auto slot = std::find(latest_.number.begin(), latest_.number.end(), number);
+          shares_.push_back({a, static_cast<int>(slot - latest_.number.begin()), weight});
+          if (slot == latest_.number.end()) latest_.number.push_back(number);
         });
     }
     latest_.N.assign(latest_.size(), 0.0);
-    for (const Share& share : shares_) latest_.N[share.place] += share.weight * N[share.corner];
+    for (const Share& share : shares_) latest_.N[share.slot] += share.weight * N[share.corner];
     return latest_;
   }
 
@@ -200,7 +200,7 @@ class PairFace {
     std::vector<double> sum(nodes.size(), 0.0), next;
     each_product(marked, [&](int, int n, double mass) { sum[n] += mass; });
     const double most = passes.empty() ? 0 : *std::max_element(passes.begin(), passes.end());
-    if (most > most_passes) return smooth_implicitly(marked, passes, sum, force);
+    if (most > max_passes) return smooth_implicitly(marked, passes, sum, force);
     for (int pass = 0; pass < most; ++pass) {
       next.assign(nodes.size(), 0.0);
       each_product(marked, [&](int m, int n, double mass) {
@@ -220,7 +220,8 @@ class PairFace {
 
   /// Moves the forces of unmarked nodes to the nodes of the cells around, step by step; what blocked nodes get, or does
   /// not reach a marked one, is lost.
-  void step_aside(const std::vector<char>& marked, const std::vector<char>& blocked, std::vector<double>& force) const {
+  void redistribute_to_marked_nodes(const std::vector<char>& marked, const std::vector<char>& blocked,
+                                    std::vector<double>& force) const {
     const std::vector<char> all(nodes.size(), 1);
     std::vector<double> moving(nodes.size(), 0.0), next;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -237,11 +238,11 @@ class PairFace {
       next.assign(nodes.size(), 0.0);
       each_product(all, [&](int m, int n, double mass) {
         if (moving[n] == 0 || (to_marked[n] > 0 && !marked[m])) return;
-        const double part = mass / (to_marked[n] > 0 ? to_marked[n] : sum[n]) * moving[n];
+        const double share = mass / (to_marked[n] > 0 ? to_marked[n] : sum[n]) * moving[n];
         if (marked[m])
-          force[m] += part;
+          force[m] += share;
         else if (!blocked[m])
-          next[m] += part;
+          next[m] += share;
       });
       moving.swap(next);
     }
@@ -278,7 +279,7 @@ class PairFace {
   };
   /// Share of a corner's shape function that counts to a node of `latest_`.
   struct Share {
-    int corner, place;
+    int corner, slot;
     double weight;
   };
 
@@ -287,7 +288,7 @@ class PairFace {
   /// A walk that is as long as the square of the number of cells has been everywhere.
   void smooth_implicitly(const std::vector<char>& marked, const std::vector<double>& passes,
                          const std::vector<double>& sum, std::vector<double>& force) const {
-    const double enough = std::max(most_passes, std::pow(static_cast<double>(cells_.size()), 2));
+    const double enough = std::max(max_passes, std::pow(static_cast<double>(cells_.size()), 2));
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd own = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodes.size()));
     Eigen::VectorXd values = own;
@@ -347,7 +348,7 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   const auto defect = [&] {
     std::vector<double> force(size);
     for (std::size_t n = 0; n < size; ++n) force[n] = face.transmitted[n] - face.carried[n];
-    face.step_aside(pressed, term, force);
+    face.redistribute_to_marked_nodes(pressed, term, force);
     return force;
   };
   const auto add = [&](const std::vector<double>& pressure) {
@@ -368,8 +369,9 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   for (std::size_t n = 0; n < size; ++n) {
     const double pressure = pressed[n] ? face.pressure_of(force[n], static_cast<int>(n)) : 0.0;
     const double exact = options.mean_exact, wrong = options.mean_wrong;
-    const double part = std::clamp((std::abs(pressure) - exact * level[n]) / ((wrong - exact) * level[n]), 0.0, 1.0);
-    step[n] = pressure == 0 ? 0.0 : part * pressure;
+    const double fraction =
+        std::clamp((std::abs(pressure) - exact * level[n]) / ((wrong - exact) * level[n]), 0.0, 1.0);
+    step[n] = pressure == 0 ? 0.0 : fraction * pressure;
   }
   add(step);
   if (!one_sign) return added;
@@ -383,8 +385,8 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   }
   const double off = transmitted - carried;
   if (std::abs(off) > std::abs(transmitted - plain) + options.total_exact * std::abs(transmitted) && carrying > 0) {
-    const double part = std::clamp(off / carrying, -options.mean_wrong, options.mean_wrong);
-    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? part * level[n] : 0.0;
+    const double fraction = std::clamp(off / carrying, -options.mean_wrong, options.mean_wrong);
+    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? fraction * level[n] : 0.0;
     add(step);
   }
   return added;

@@ -21,14 +21,14 @@ struct PatchContext {
   const ContactCells contact = {bodies, integrals, index, options.auxiliary_depth, known};
 
   /// Returns the active cells of the patch of a node.
-  ListPart<int> cells_of(int node) const {
+  ListRange<int> cells_of(int node) const {
     const PatchSet& patches = *body.patches;
     return {patches.cells.data() + patches.begin[node], patches.cells.data() + patches.begin[node + 1]};
   }
   /// Returns the required div sigma at a point of a body, per `unit` of length (both in its grid coordinates).
-  Vec3 divergence(int of_body, const Vec3& place, double unit) const {
+  Vec3 divergence(int of_body, const Vec3& position, double unit) const {
     const RecoveryBody& there = bodies[of_body];
-    return divergence_at(*there.boundary, there.mesh->cut_cells->grid, scales.stress, place, unit);
+    return divergence_at(*there.boundary, there.mesh->cut_cells->grid, scales.stress, position, unit);
   }
 };
 

@@ -23,7 +23,7 @@ struct ListSpace {
 void add_rings(const StressIntegrals& integrals, const CutCells& cc, int reach, std::vector<char>& box,
                std::vector<int>& cells) {
   if (cells.empty()) return;
-  if (!cc.parts.empty()) {
+  if (!cc.level_cells.empty()) {
     const std::vector<int> inner = cells;
     for (int c : inner) {
       const Vec3 low = cc.corner(c), width = Vec3::Constant(reach * cc.size(c));
@@ -63,30 +63,30 @@ void add_rings(const StressIntegrals& integrals, const CutCells& cc, int reach, 
 }
 
 /// Contact points by pair.
-void find_pairs(const PatchContext& context, const ListPart<int>& cells, std::vector<PairState>& states) {
+void find_pairs(const PatchContext& context, const ListRange<int>& cells, std::vector<PairState>& states) {
   states.clear();
-  context.contact.each(cells, -1, [&](const ContactPiece& piece) {
-    auto state = std::lower_bound(states.begin(), states.end(), piece.pair,
+  context.contact.each(cells, -1, [&](const ContactFacet& facet) {
+    auto state = std::lower_bound(states.begin(), states.end(), facet.pair,
                                   [](const PairState& s, int pair) { return s.pair < pair; });
-    if (state == states.end() || state->pair != piece.pair)
-      state = states.insert(state, PairState{piece.pair, piece.other_body});
-    state->area += piece.area;
-    state->closed_area += piece.closed_area;
-    state->unknown_area += piece.unknown_area;
+    if (state == states.end() || state->pair != facet.pair)
+      state = states.insert(state, PairState{facet.pair, facet.other_body});
+    state->area += facet.area;
+    state->closed_area += facet.closed_area;
+    state->unknown_area += facet.unknown_area;
   });
 }
 
 /// Edge (global axes, m) seen from a body; `unit`: m.
-ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
-                      double unit) {
+ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal,
+                      const ZoneEdgeSegment& segment, double unit) {
   const BodyMesh& mesh = *body.mesh;
   const Grid& grid = mesh.cut_cells->grid;
   ContactEdge edge;
-  edge.origin = grid.to_grid(piece.origin);
-  edge.closed = grid.rotation.transpose() * piece.closed;
-  edge.along = grid.rotation.transpose() * piece.along;
-  edge.curvature = piece.curvature * grid.cell_size;
-  edge.inverse_width = piece.inverse_width * grid.cell_size;
+  edge.origin = grid.to_grid(segment.origin);
+  edge.closed = grid.rotation.transpose() * segment.closed;
+  edge.along = grid.rotation.transpose() * segment.along;
+  edge.curvature = segment.curvature * grid.cell_size;
+  edge.inverse_width = segment.inverse_width * grid.cell_size;
   const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
   const Solid& solid = mesh.cut_cells->solid;
   edge.surface = solid.surfaces()[solid.surface_at(x, n)].near(x);
@@ -98,7 +98,7 @@ ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Ve
 
 /// Returns the mode of a pair in the last patch of the lists; adds the term of the edge of a zone with a known pressure
 /// if it is near and the patch has none yet.
-ContactMode mode_of_pair(const PatchContext& context, const PairState& state, const ListPart<int>& cells,
+ContactMode mode_of_pair(const PatchContext& context, const PairState& state, const ListRange<int>& cells,
                          PatchLists& lists) {
   const std::size_t patch = lists.size() - 1;
   const RecoveryBody& body = context.body;
@@ -107,26 +107,26 @@ ContactMode mode_of_pair(const PatchContext& context, const PairState& state, co
   if (state.closed_area == 0) return ContactMode::open;
   if (state.couples) return state.is_mixed() ? ContactMode::unclear : ContactMode::closed;
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
-  context.contact.each(cells, state.pair, [&](const ContactPiece& part) {
-    centroid += part.position / state.area;
-    normal += part.normal;
+  context.contact.each(cells, state.pair, [&](const ContactFacet& facet) {
+    centroid += facet.position / state.area;
+    normal += facet.normal;
   });
-  EdgePiece piece;
+  ZoneEdgeSegment segment;
   const Vec3 x = grid.to_global(centroid);
-  if (!context.options.contact_edge || lists.edge[patch] >= 0 || !context.known->edge_near(state.pair, x, piece)) {
+  if (!context.options.contact_edge || lists.edge[patch] >= 0 || !context.known->edge_near(state.pair, x, segment)) {
     if (state.is_mixed()) lists.raise(patch, PatchStatus::edge_unclear);
     return ContactMode::closed;
   }
   double least = 1e300;  // cells of the body
-  context.contact.each(cells, state.pair, [&](const ContactPiece& part) {
-    for (const PatchContactPoint& point : context.contact.points(part))
-      least = std::min(least, piece.inside(grid.to_global(point.position)) / part.cell_size);
+  context.contact.each(cells, state.pair, [&](const ContactFacet& facet) {
+    for (const PatchContactPoint& point : context.contact.points(facet))
+      least = std::min(least, segment.inside(grid.to_global(point.position)) / facet.cell_size);
   });
   if (least > context.options.term_reach) return ContactMode::closed;
   const double h = lists.unit[patch] * grid.cell_size;
   lists.edge[patch] = static_cast<int>(lists.edges.size());
-  lists.edges.push_back({seen_from(body, x, grid.rotation * normal.normalized(), piece, h),
-                         -piece.factor / context.scales.stress * std::sqrt(h)});
+  lists.edges.push_back({seen_from(body, x, grid.rotation * normal.normalized(), segment, h),
+                         -segment.factor / context.scales.stress * std::sqrt(h)});
   return state.is_mixed() ? ContactMode::edge : ContactMode::closed;
 }
 
@@ -146,15 +146,15 @@ int coupled_pair(const PatchContext& context, const std::vector<PairState>& stat
 /// Whole active cells of the other body under the patch's contact points, down to the auxiliary depth (equation 13),
 /// and with more than one ring the cells around those; none if they hold too little material.
 void find_auxiliary(const PatchContext& context, const PairState& state, PatchPolynomial polynomial,
-                    const ListPart<int>& patch, ListSpace& space, PatchLists& lists) {
+                    const ListRange<int>& patch, ListSpace& space, PatchLists& lists) {
   const StressIntegrals& integrals = context.integrals[state.other_body];
   const CutCells& cc = *context.bodies[state.other_body].mesh->cut_cells;
   std::vector<int>& cells = space.cells;
   Vec3& centre = lists.auxiliary_centre.back();
   cells.clear();
-  context.contact.each(patch, state.pair, [&](const ContactPiece& piece) {
-    centre += piece.other_position / state.area;
-    const ListPart<int> under = context.contact.under(piece);
+  context.contact.each(patch, state.pair, [&](const ContactFacet& facet) {
+    centre += facet.other_position / state.area;
+    const ListRange<int> under = context.contact.under(facet);
     cells.insert(cells.end(), under.begin(), under.end());
   });
   sort_unique(cells);
@@ -164,7 +164,7 @@ void find_auxiliary(const PatchContext& context, const PairState& state, PatchPo
     volume += cc.volume_fraction(c);
     largest = std::max(largest, cc.size(c));
   }
-  if (volume < context.options.least_auxiliary_volume) cells.clear();
+  if (volume < context.options.min_auxiliary_volume) cells.clear();
   lists.auxiliary_unit.back() = largest;
 }
 
@@ -199,7 +199,7 @@ void fit_cells(const RecoveryBody& body, int n, PatchPolynomial polynomial, std:
   cells.clear();
   if (rings > 1) {
     const CutCells& cc = *body.mesh->cut_cells;
-    if (!cc.parts.empty()) {
+    if (!cc.level_cells.empty()) {
       const Vec3 centre = body.mesh->node_position(n), width = Vec3::Constant(rings * unit_of(*body.mesh, n));
       each_cell_within(cc, centre - width, centre + width, [&](int cell) { cells.push_back(cell); });
       cells.insert(cells.end(), first, last);
@@ -220,7 +220,7 @@ void fit_cells(const RecoveryBody& body, int n, PatchPolynomial polynomial, std:
 
 void add_patch(const PatchContext& context, int node, PatchPolynomial polynomial, PatchLists& lists) {
   static thread_local ListSpace space;
-  const ListPart<int> patch = context.cells_of(node);
+  const ListRange<int> patch = context.cells_of(node);
   const BodyMesh& mesh = *context.body.mesh;
   lists.node.push_back(node);
   lists.polynomial.push_back(polynomial);

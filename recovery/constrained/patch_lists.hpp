@@ -19,7 +19,7 @@ enum class ContactMode : char {
 /// Contact points of one pair inside a patch.
 struct PairState {
   int pair = -1, other_body = -1;
-  double area = 0, closed_area = 0, unknown_area = 0;  ///< m^2; as of ContactPiece
+  double area = 0, closed_area = 0, unknown_area = 0;  ///< m^2; as of ContactFacet
   ContactMode mode = ContactMode::open;
   bool couples = false;                   ///< the pressure comes from both bodies' stress, not from the face
   bool is_closed(double fraction) const;  ///< RecoveryOptions::closed_fraction

@@ -13,17 +13,17 @@ namespace {
 
 /// In a zone whose pressure nothing knows patches of degree 2 extend over half of the thickness: the scatter of sigma_h
 /// in cut cells averages out over as large a patch as a polynomial follows.
-constexpr int most_rings = 4;
+constexpr int max_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
 /// Returns whether there are active cells at the position of a cell, whatever their size.
-bool is_occupied(const CutCells& cc, const CellPlace& place) {
+bool is_occupied(const CutCells& cc, const CellIndex& index) {
   bool found = false;
-  each_cell_at(cc, place, [&](int) { found = true; });
+  each_cell_at(cc, index, [&](int) { found = true; });
   return found;
 }
 
 /// Cells of a body from the given one on along an axis of its grid, without that one; at most `limit`.
-int cells_beyond(const CutCells& cc, CellPlace c, int axis, int side, int limit) {
+int cells_beyond(const CutCells& cc, CellIndex c, int axis, int side, int limit) {
   int count = 0;
   while (count < limit) {
     c.cell[axis] += side;
@@ -33,9 +33,9 @@ int cells_beyond(const CutCells& cc, CellPlace c, int axis, int side, int limit)
   return count;
 }
 
-/// In that direction of the grid that has the fewest; at most what most_rings need.
-int least_cells(const CutCells& cc, const CellPlace& c) {
-  int least = 4 * most_rings;
+/// In that direction of the grid that has the fewest; at most what max_rings need.
+int min_cells(const CutCells& cc, const CellIndex& c) {
+  int least = 4 * max_rings;
   for (int axis = 0; axis < 3; ++axis) {
     const int before = cells_beyond(cc, c, axis, -1, least);
     least = std::min(least, before + 1 + cells_beyond(cc, c, axis, 1, least));
@@ -43,7 +43,7 @@ int least_cells(const CutCells& cc, const CellPlace& c) {
   return least;
 }
 
-/// Cells across a body at its contact face, and at half of the depth below it, most_rings cells at most: curved bodies
+/// Cells across a body at its contact face, and at half of the depth below it, max_rings cells at most: curved bodies
 /// are thin along their face at tangent grid planes, not below. 0: no closed contact.
 struct CellsAcross {
   char at_face = 0, below = 0;
@@ -74,14 +74,14 @@ int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
 
 /// Seen from the fullest cell beside the given one; outward: the normal, in grid axes.
 CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward, const Vec3& middle) {
-  CellPlace c{cc.level(cell), cc.cells[fullest_beside(cc, cell, middle)]};
+  CellIndex c{cc.level(cell), cc.cells[fullest_beside(cc, cell, middle)]};
   CellsAcross across;
-  across.at_face = static_cast<char>(least_cells(cc, c));
+  across.at_face = static_cast<char>(min_cells(cc, c));
   int axis = 0;
   outward.cwiseAbs().maxCoeff(&axis);
   const int inward = outward[axis] > 0 ? -1 : 1;
-  c.cell[axis] += inward * (cells_beyond(cc, c, axis, inward, 2 * most_rings) / 2);
-  across.below = static_cast<char>(least_cells(cc, c));
+  c.cell[axis] += inward * (cells_beyond(cc, c, axis, inward, 2 * max_rings) / 2);
+  across.below = static_cast<char>(min_cells(cc, c));
   return across;
 }
 

@@ -46,11 +46,11 @@ bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
 /// Sets the component along e of the traction on the normal n at a point of one of the bodies of a row (unit of its
 /// polynomial, from the centre).
 template <int bodies>
-void set_traction(FitRow<bodies>& row, int body, const Vec3& place, const Vec3& n, const Vec3& e, double sign = 1) {
+void set_traction(FitRow<bodies>& row, int body, const Vec3& position, const Vec3& n, const Vec3& e, double sign = 1) {
   traction_weight(n.data(), e.data(), row.weight[body]);
   if (sign != 1)
     for (double& w : row.weight[body]) w *= sign;
-  for (int i = 0; i < 3; ++i) row.place[body][i] = place[i];
+  for (int i = 0; i < 3; ++i) row.position[body][i] = position[i];
 }
 
 /// Rows of one patch.
@@ -100,15 +100,17 @@ class RowWriter {
   const PatchContactPoint* nearest_point(int pair, const Vec3& x, const Vec3& n) const;
   void subtract_term(std::size_t first);
 
-  Vec3 place(const Vec3& x) const { return in_half_plane(grid_, (x - lists_.centre[patch_]) / lists_.unit[patch_]); }
-  Vec3 other_place(const Vec3& x, const Vec3& n, double distance) const {
+  Vec3 position_in_patch(const Vec3& x) const {
+    return in_half_plane(grid_, (x - lists_.centre[patch_]) / lists_.unit[patch_]);
+  }
+  Vec3 position_in_other(const Vec3& x, const Vec3& n, double distance) const {
     const Vec3 y = other_grid_->to_grid(grid_.to_global(x) + distance * (grid_.rotation * n));
     return in_half_plane(*other_grid_, (y - lists_.auxiliary_centre[patch_]) / lists_.auxiliary_unit[patch_]);
   }
   /// Puts a point of a body of revolution at 0 across, where all its cells and points lie.
-  static Vec3 in_half_plane(const Grid& grid, Vec3 place) {
-    if (grid.is_axisymmetric()) place[grid.plane_strain] = 0;
-    return place;
+  static Vec3 in_half_plane(const Grid& grid, Vec3 position) {
+    if (grid.is_axisymmetric()) position[grid.plane_strain] = 0;
+    return position;
   }
   FitRow<bodies>& add_row(int body, const Vec3& at, const Vec3& n, const Vec3& e, double value = 0) {
     FitRow<bodies>& row = to_.rows.emplace_back();
@@ -139,15 +141,15 @@ class RowWriter {
       if (group.surface == surface && body_.boundary->is_bonded(group.pair)) area += group.area;
     return area;
   }
-  bool is_most(double part, double of) const { return part > context_.options.closed_fraction * of; }
+  bool is_most(double area, double whole) const { return area > context_.options.closed_fraction * whole; }
 
   const PatchContext& context_;
   const RecoveryBody& body_;
   const Grid& grid_;
   PatchLists& lists_;
   const std::size_t patch_;
-  const ListPart<int> cells_;
-  const ListPart<PairState> states_;
+  const ListRange<int> cells_;
+  const ListRange<PairState> states_;
   const EdgeTerms::Term* const term_;   ///< null: none
   const PairState* coupled_ = nullptr;  ///< with the auxiliary patch
   const Grid* other_grid_ = nullptr;    ///< of that
@@ -160,7 +162,7 @@ template <int bodies>
 void RowWriter<bodies>::add_known_traction(const ConstraintGroup& group) {
   const TractionCondition& condition = body_.boundary->conditions[group.condition];
   for (int p = 0; p < group.num_points; ++p) {
-    const Vec3 d = place(group.position[p]), n = group.normal[p];
+    const Vec3 d = position_in_patch(group.position[p]), n = group.normal[p];
     const Vec3 x = grid_.to_global(group.position[p]);
     Vec3 t = Vec3::Zero(), directions[3];
     if (condition.traction)
@@ -226,7 +228,7 @@ template <int bodies>
 void RowWriter<bodies>::add_zero_shear(const ConstraintGroup& group) {
   for (int p = 0; p < group.num_points; ++p) {
     const auto [t1, t2] = tangents(group.normal[p]);
-    for (const Vec3& t : {t1, t2}) add_row(0, place(group.position[p]), group.normal[p], t);
+    for (const Vec3& t : {t1, t2}) add_row(0, position_in_patch(group.position[p]), group.normal[p], t);
   }
 }
 
@@ -236,7 +238,7 @@ template <int bodies>
 void RowWriter<bodies>::add_contact(const ConstraintGroup& group, bool with_other, ContactMode mode) {
   const bool free = mode == ContactMode::open || mode == ContactMode::edge;
   for (int p = 0; p < group.num_points; ++p) {
-    const Vec3 x = group.position[p], n = group.normal[p], d = place(x);
+    const Vec3 x = group.position[p], n = group.normal[p], d = position_in_patch(x);
     const auto [t1, t2] = tangents(n);
     add_row(0, d, n, t1);
     add_row(0, d, n, t2);
@@ -255,13 +257,13 @@ void RowWriter<bodies>::add_other_side(const Vec3& x, const Vec3& n, bool free) 
     const PatchContactPoint* nearest = nearest_point(coupled_->pair, x, n);
     if (!nearest) return;
     const auto [t1, t2] = tangents(n);
-    const Vec3 e = other_place(x, n, nearest->distance), m = to_other_ * n;
+    const Vec3 e = position_in_other(x, n, nearest->distance), m = to_other_ * n;
     add_row(1, e, m, to_other_ * t1);
     add_row(1, e, m, to_other_ * t2);
     if (free)
       add_row(1, e, m, m);
     else
-      set_traction(add_row(0, place(x), n, n), 1, e, m, m, -1);
+      set_traction(add_row(0, position_in_patch(x), n, n), 1, e, m, m, -1);
   }
 }
 
@@ -272,7 +274,7 @@ template <int bodies>
 void RowWriter<bodies>::add_friction(const ConstraintGroup& group, bool with_other) {
   const double mu = body_.boundary->friction_of(group.pair);
   for (int p = 0; p < group.num_points; ++p) {
-    const Vec3 x = group.position[p], n = group.normal[p], d = place(x);
+    const Vec3 x = group.position[p], n = group.normal[p], d = position_in_patch(x);
     const PatchContactPoint* nearest = nearest_point(group.pair, x, n);
     if (!nearest) continue;
     const auto [t1, t2] = tangents(n);
@@ -282,7 +284,7 @@ void RowWriter<bodies>::add_friction(const ConstraintGroup& group, bool with_oth
       for (const Vec3& t : {t1, t2}) add_row(0, d, n, slip_direction(t));
     if constexpr (bodies == 2) {
       if (!with_other) continue;
-      const Vec3 there = other_place(x, n, nearest->distance), m = to_other_ * n;
+      const Vec3 there = position_in_other(x, n, nearest->distance), m = to_other_ * n;
       set_traction(add_row(0, d, n, n), 1, there, m, m, -1);
       for (const Vec3& t : {t1, t2}) {
         if (slips)
@@ -300,9 +302,9 @@ const PatchContactPoint* RowWriter<bodies>::nearest_point(int pair, const Vec3& 
   const double unit = lists_.unit[patch_], alike = same_distance * unit * unit;
   const PatchContactPoint* nearest = nullptr;
   double least = 0;
-  context_.contact.each(cells_, pair, [&](const ContactPiece& piece) {
-    if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + alike) return;
-    for (const PatchContactPoint& point : context_.contact.points(piece)) {
+  context_.contact.each(cells_, pair, [&](const ContactFacet& facet) {
+    if (nearest && (x.cwiseMax(facet.low).cwiseMin(facet.high) - x).squaredNorm() > least + alike) return;
+    for (const PatchContactPoint& point : context_.contact.points(facet)) {
       const double distance = (point.position - x).squaredNorm();
       if (nearest && distance > least + alike) continue;
       if (point.normal.dot(n) < same_side) continue;
@@ -324,7 +326,7 @@ void RowWriter<bodies>::add_known_pressure(const ConstraintGroup& group) {
     if (!square) continue;
     double value = -std::sqrt(std::max(*square, 0.0)) / context_.scales.stress;
     if (on_face) value -= term_->factor * term_->edge.root(term_->edge.inside(x));
-    add_row(0, place(x), n, n, value);
+    add_row(0, position_in_patch(x), n, n, value);
   }
 }
 
@@ -336,10 +338,10 @@ void RowWriter<bodies>::add_bond(const ConstraintGroup& group) {
       const Vec3 x = group.position[p], n = group.normal[p];
       const PatchContactPoint* nearest = nearest_point(coupled_->pair, x, n);
       if (!nearest) continue;
-      const Vec3 there = other_place(x, n, nearest->distance);
+      const Vec3 there = position_in_other(x, n, nearest->distance);
       const auto [t1, t2] = tangents(n);
       for (const Vec3& e : {n, t1, t2})
-        set_traction(add_row(0, place(x), n, e), 1, there, to_other_ * n, to_other_ * e, -1);
+        set_traction(add_row(0, position_in_patch(x), n, e), 1, there, to_other_ * n, to_other_ * e, -1);
     }
 }
 
@@ -347,9 +349,9 @@ void RowWriter<bodies>::add_bond(const ConstraintGroup& group) {
 template <int bodies>
 bool RowWriter<bodies>::has_closed_points(const ConstraintGroup& group) const {
   bool found = false;
-  context_.contact.each(cells_, group.pair, [&](const ContactPiece& piece) {
-    if (found || piece.closed_area == 0) return;
-    for (const PatchContactPoint& point : context_.contact.points(piece))
+  context_.contact.each(cells_, group.pair, [&](const ContactFacet& facet) {
+    if (found || facet.closed_area == 0) return;
+    for (const PatchContactPoint& point : context_.contact.points(facet))
       for (int p = 0; p < group.num_points && point.pressed && !found; ++p)
         found = point.normal.dot(group.normal[p]) >= same_side;
   });
@@ -364,7 +366,7 @@ void RowWriter<bodies>::subtract_term(std::size_t first) {
   for (std::size_t r = first; r < to_.rows.size(); ++r) {
     FitRow<bodies>& row = to_.rows[r];
     double s[6];
-    term_->edge.stress(lists_.centre[patch_] + lists_.unit[patch_] * Vec3(row.place[0]), s);
+    term_->edge.stress(lists_.centre[patch_] + lists_.unit[patch_] * Vec3(row.position[0]), s);
     for (int k = 0; k < 6; ++k) row.value -= term_->factor * row.weight[0][k] * s[k];
   }
 }
@@ -441,8 +443,8 @@ int degree_of_points(int points_per_face, int degree) {
 template <int bodies>
 void PatchRows::add(PatchLists& lists, std::size_t patch, std::vector<ConstraintGroup>& groups,
                     RowList<bodies>& rows) const {
-  const ListPart<int> cells = context_.cells_of(lists.node[patch]);
-  pieces_.groups(cells.first, cells.size(),
+  const ListRange<int> cells = context_.cells_of(lists.node[patch]);
+  facets_.groups(cells.first, cells.size(),
                  degree_of_points(context_.options.points_per_face, lists.polynomial[patch].degree), groups,
                  lists.unit[patch]);
   RowWriter<bodies>(context_, lists, patch, rows).add(groups);

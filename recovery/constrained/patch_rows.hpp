@@ -3,7 +3,7 @@
 #pragma once
 
 #include "recovery/batched/batched_fit.hpp"
-#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/boundary_facets.hpp"
 #include "recovery/constrained/patch_lists.hpp"
 
 namespace cgcontact {
@@ -22,7 +22,7 @@ struct RowList {
 class PatchRows {
  public:
   explicit PatchRows(const PatchContext& context)
-      : context_(context), pieces_(*context.body.mesh->cut_cells, *context.body.boundary) {}
+      : context_(context), facets_(*context.body.mesh->cut_cells, *context.body.boundary) {}
 
   /// Appends the rows of a patch and sets its kind. bodies = 2: it has an auxiliary patch. groups: work space.
   template <int bodies>
@@ -35,7 +35,7 @@ class PatchRows {
 
  private:
   const PatchContext& context_;
-  const BoundaryPieces pieces_;
+  const BoundaryFacets facets_;
 };
 
 }  // namespace cgcontact

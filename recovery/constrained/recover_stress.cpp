@@ -15,7 +15,7 @@ namespace {
 
 /// Patches that are listed, fitted and constrained at a time. From 256 to all at once the time is the same within 3 %
 /// (docs/decisions.md); this many fill the lanes and threads and take 45 MB where all are coupled and of degree 2.
-constexpr std::size_t patches_per_part = 4096;
+constexpr std::size_t patches_per_chunk = 4096;
 
 /// Corrects the interior patches of a body's field; returns the nodes of the others.
 std::vector<int> recover_interior(const PatchContext& context) {
@@ -59,12 +59,12 @@ void recover_patches_of(const PatchContext& context, const std::vector<int>& nod
   std::vector<PatchLists> chunks;
   const auto solve = [&](const std::vector<int>& some, PatchStatus least, const auto& polynomial_of) {
     std::vector<int> lowered;
-    for (std::size_t begin = 0; begin < some.size(); begin += patches_per_part) {
-      const std::size_t count = std::min(patches_per_part, some.size() - begin);
+    for (std::size_t begin = 0; begin < some.size(); begin += patches_per_chunk) {
+      const std::size_t count = std::min(patches_per_chunk, some.size() - begin);
       list_patches(context, &some[begin], count, polynomial_of, chunks, lists);
       for (std::size_t i = 0; i < count; ++i) lists.raise(i, least);
-      const std::vector<int> of_part = fit_constrained(context, rows, lists, results);
-      lowered.insert(lowered.end(), of_part.begin(), of_part.end());
+      const std::vector<int> of_chunk = fit_constrained(context, rows, lists, results);
+      lowered.insert(lowered.end(), of_chunk.begin(), of_chunk.end());
     }
     return lowered;
   };
@@ -83,9 +83,9 @@ std::vector<T> gather(const std::vector<T>& own) {
   Unpacking from(bytes);
   std::vector<T> all;
   for (int rank = 0; rank < num_ranks(); ++rank) {
-    std::vector<T> part;
-    from.take(part);
-    all.insert(all.end(), part.begin(), part.end());
+    std::vector<T> share;
+    from.take(share);
+    all.insert(all.end(), share.begin(), share.end());
   }
   return all;
 }

@@ -59,7 +59,7 @@ KOKKOS_FORCEINLINE_FUNCTION void load(const Row& row, int width, Value& value) {
 }
 
 /// Returns the index at which the transform of cosines keeps value i: even ones first, odd ones from the end.
-KOKKOS_FORCEINLINE_FUNCTION int sorted_place(int i, int count) { return i % 2 == 0 ? i / 2 : count - 1 - i / 2; }
+KOKKOS_FORCEINLINE_FUNCTION int sorted_index(int i, int count) { return i % 2 == 0 ? i / 2 : count - 1 - i / 2; }
 
 }  // namespace
 
@@ -167,7 +167,7 @@ void CosineTransform::forward(const Exec& exec, const Matrix& values, const Matr
       "cgcontact::cosine_transform::forward", exec, static_cast<int>(values.extent(1)), count,
       KOKKOS_LAMBDA(int begin, int width, Value* x, Value* work) {
         for (int i = 0; i < count; ++i) clear(x[i]);
-        for (int i = 0; i < size; ++i) load(&values(i, begin), width, x[sorted_place(first + i, count)]);
+        for (int i = 0; i < size; ++i) load(&values(i, begin), width, x[sorted_index(first + i, count)]);
         Value* const v = fourier.transform(x, work);
         Value* const sums = v == x ? work : x;
         for (int k = 0; k < count; ++k) {
@@ -218,7 +218,7 @@ void CosineTransform::backward(const Exec& exec, const Matrix& spectrum, const M
         }
         Value* const v = fourier.transform(x, work);
         for (int i = 0; i < size; ++i) {
-          Value& from = v[sorted_place(first + i, count)];
+          Value& from = v[sorted_index(first + i, count)];
           for (int column = 0; column < width; ++column) values(i, begin + column) = entry(from, column);
         }
       });

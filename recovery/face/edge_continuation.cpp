@@ -56,33 +56,33 @@ class EdgeContinuation {
   static constexpr double skip = 2;  ///< patches at the edge that are replaced
   static constexpr int window = 6;   ///< patches around
 
-  /// Calls use(patch, place) for the patches around in the window; place: relative position in patches.
+  /// Calls use(patch, position) for the patches around in the window; position: relative position in patches.
   template <class Use>
   void each_around(int patch, const Use& use) const {
     const int reach = grid_.plane_strain ? 0 : window;
     for (int i = -reach; i <= reach; ++i)
       for (int j = -window; j <= window; ++j) {
         const int n = grid_.beyond(patch, {i, j});
-        if (n >= 0) use(n, FacePlace(i, j));
+        if (n >= 0) use(n, FacePosition(i, j));
       }
   }
   /// Distance to the nearest patch that presses, or does not, in patches.
   double nearest(int patch, bool presses) const {
     double least = 1e300;
-    each_around(patch, [&](int n, const FacePlace& place) {
-      if (inside_[n] && (pressure_[n] > 0) == presses) least = std::min(least, place.norm());
+    each_around(patch, [&](int n, const FacePosition& position) {
+      if (inside_[n] && (pressure_[n] > 0) == presses) least = std::min(least, position.norm());
     });
     return least;
   }
   bool continued(int patch, double& value) const {
     struct Sample {
       double distance;
-      FacePlace place;
+      FacePosition position;
       double square;
     };
     std::vector<Sample> samples;
-    each_around(patch, [&](int n, const FacePlace& place) {
-      if (pressure_[n] > 0 && to_open_[n] > skip + 0.5) samples.push_back({place.norm(), place, square_[n]});
+    each_around(patch, [&](int n, const FacePosition& position) {
+      if (pressure_[n] > 0 && to_open_[n] > skip + 0.5) samples.push_back({position.norm(), position, square_[n]});
     });
     const std::size_t count = grid_.plane_strain ? 3 : 9;
     if (samples.size() < count) return false;
@@ -94,7 +94,7 @@ class EdgeContinuation {
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const Sample& s : samples) {
       if (s.distance > last) break;
-      const Eigen::Vector3d row(1, s.place[0], s.place[1]);
+      const Eigen::Vector3d row(1, s.position[0], s.position[1]);
       normal += row * row.transpose();
       right += row * s.square;
     }

@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-using FacePlace = Eigen::Vector2d;  ///< along axis 0 and axis 1 of the face, m; in plane strain along axis 1 alone
+using FacePosition = Eigen::Vector2d;  ///< along axis 0 and axis 1 of the face, m; in plane strain along axis 1 alone
 
 /// Condition of the face at the lower end of an axis.
 enum class FaceEnd {
@@ -29,24 +29,24 @@ struct Meridian {
   std::vector<Eigen::Vector2d> points;
   double unit_radius = 1;  ///< m: patches there count for their breadth (Grid::unit_radius)
 
-  Eigen::Vector2d at(double place) const {
-    const double t = (place - first) / spacing;
+  Eigen::Vector2d at(double position) const {
+    const double t = (position - first) / spacing;
     const int last = static_cast<int>(points.size()) - 2, k = std::clamp(static_cast<int>(std::floor(t)), 0, last);
     return points[k] + (t - k) * (points[k + 1] - points[k]);
   }
 };
 
 struct FaceGrid {
-  std::array<int, 2> size{1, 1};        ///< patches along each axis; (rows, columns)
-  std::array<double, 2> spacing{1, 1};  ///< m
-  FacePlace low = FacePlace::Zero();    ///< corner of the first patch, m
+  std::array<int, 2> size{1, 1};            ///< patches along each axis; (rows, columns)
+  std::array<double, 2> spacing{1, 1};      ///< m
+  FacePosition low = FacePosition::Zero();  ///< corner of the first patch, m
   std::array<FaceEnd, 2> end{FaceEnd::free, FaceEnd::free};
   bool plane_strain = false;
   std::shared_ptr<const Meridian> meridian;  ///< of bodies of revolution, as if in plane strain; else none
 
   int num_patches() const { return size[0] * size[1]; }
-  FacePlace centre(int patch) const {
-    return low + FacePlace((patch / size[1] + 0.5) * spacing[0], (patch % size[1] + 0.5) * spacing[1]);
+  FacePosition centre(int patch) const {
+    return low + FacePosition((patch / size[1] + 0.5) * spacing[0], (patch % size[1] + 0.5) * spacing[1]);
   }
   /// Returns the area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
@@ -75,15 +75,15 @@ struct FaceGrid {
   }
   /// Returns row and column of the patch at a point, in its image behind a symmetry plane too; beyond free ends they
   /// are none.
-  std::array<int, 2> index_of(const FacePlace& place) const {
-    const FacePlace x = folded(place);
+  std::array<int, 2> index_of(const FacePosition& position) const {
+    const FacePosition x = folded(position);
     std::array<int, 2> index{0, 0};
     for (int a = plane_strain ? 1 : 0; a < 2; ++a)
       index[a] = static_cast<int>(std::floor((x[a] - low[a]) / spacing[a]));
     return index;
   }
   /// Maps a point behind a symmetry plane to its image.
-  FacePlace folded(FacePlace x) const {
+  FacePosition folded(FacePosition x) const {
     for (int a = 0; a < 2; ++a) {
       if (end[a] == FaceEnd::free) continue;
       x[a] = std::abs(x[a]);

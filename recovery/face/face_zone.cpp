@@ -24,12 +24,12 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
     const int step = steps_in(grid, a, h);
     const auto [before, after] = grid.beside(patch, a, step);
     if (before < 0 || after < 0) continue;
-    const double part = h / (step * grid.spacing[a]);
-    sum += part * part * (values[before] - 2 * values[patch] + values[after]);
+    const double ratio = h / (step * grid.spacing[a]);
+    sum += ratio * ratio * (values[before] - 2 * values[patch] + values[after]);
     if (!grid.meridian) continue;  // around the axis: (dr / ds) / r du / ds
     const double radius = grid.ring(patch), widens = (grid.ring(after) - grid.ring(before)) / 2;
     const bool on_axis = before == patch || radius < std::abs(widens);  // its image behind the axis
-    sum += part * part *
+    sum += ratio * ratio *
            (on_axis ? values[before] - 2 * values[patch] + values[after]
                     : 0.5 * widens / radius * (values[after] - values[before]));
   }
@@ -47,7 +47,7 @@ constexpr double trusted_change = 0.125;
 /// Sums of what patches share of each group, patches, each with what it counts.
 std::vector<double> sizes_of_groups(const FaceZone& zone) {
   std::vector<double> sizes(zone.groups.size(), 0.0);
-  for (const FaceShare& share : zone.shares) sizes[share.group] += share.part * zone.grid.ring(share.patch);
+  for (const FaceShare& share : zone.shares) sizes[share.group] += share.fraction * zone.grid.ring(share.patch);
   return sizes;
 }
 
@@ -62,7 +62,7 @@ std::vector<double> acting_pressure(const FaceZone& zone, const std::vector<doub
   for (const FaceShare& share : zone.shares)
     if (kept > 0)
       pressure[share.patch] +=
-          force / kept * share.part * zone.groups[share.group].force / (sizes[share.group] * zone.grid.area());
+          force / kept * share.fraction * zone.groups[share.group].force / (sizes[share.group] * zone.grid.area());
   return pressure;
 }
 
@@ -90,10 +90,10 @@ std::vector<FarMean> far_means(const FaceZone& zone, const std::vector<double>& 
   std::vector<FarMean> means(zone.groups.size());
   std::vector<double> bent(zone.groups.size(), 0.0);
   for (const FaceShare& share : zone.shares) {
-    const double part = share.part * grid.ring(share.patch) / sizes[share.group];
-    means[share.group].patches.emplace_back(share.patch, part);
-    means[share.group].value -= part * response[share.patch];
-    bent[share.group] += part * curvature(grid, response, zone.h, share.patch);
+    const double fraction = share.fraction * grid.ring(share.patch) / sizes[share.group];
+    means[share.group].patches.emplace_back(share.patch, fraction);
+    means[share.group].value -= fraction * response[share.patch];
+    bent[share.group] += fraction * curvature(grid, response, zone.h, share.patch);
   }
   double squares = 0, weights = 0;
   for (std::size_t g = 0; g < zone.groups.size(); ++g) {
@@ -183,7 +183,7 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
 /// Returns the fraction of the pressure that means over cells may hide around an axis of revolution: a narrow zone has
 /// two or three of them, and no variant of the far field shows that they are means. Within a cell a profile as wide as
 /// the zone is off by (h / half width)^2 / 24.
-double part_within_means(const FaceZone& zone, const std::vector<double>& square) {
+double fraction_within_means(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   if (!grid.meridian) return 0;
   const auto pressed = std::count_if(square.begin(), square.end(), [](double value) { return value > 0; });
@@ -204,22 +204,22 @@ std::vector<double> pressure_to_edge(const ExecSpace& exec, const PatchProblem& 
 
 }  // namespace
 
-double FacePressure::at(const FacePlace& place) const { return std::sqrt(std::max(square_at(place), 0.0)); }
+double FacePressure::at(const FacePosition& position) const { return std::sqrt(std::max(square_at(position), 0.0)); }
 
-double FacePressure::square_at(const FacePlace& place) const {
-  const FacePlace x = grid.folded(place);
+double FacePressure::square_at(const FacePosition& position) const {
+  const FacePosition x = grid.folded(position);
   int cell[2];
-  double part[2];
+  double fraction[2];
   for (int a = 0; a < 2; ++a) {
     const double t = (x[a] - grid.low[a]) / grid.spacing[a] - 0.5;
     cell[a] = static_cast<int>(std::floor(t));
-    part[a] = t - cell[a];
-    if (grid.plane_strain && a == 0) cell[a] = 0, part[a] = 0;
+    fraction[a] = t - cell[a];
+    if (grid.plane_strain && a == 0) cell[a] = 0, fraction[a] = 0;
   }
   double sum = 0;
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j) {
-      const double weight = (i == 0 ? 1 - part[0] : part[0]) * (j == 0 ? 1 - part[1] : part[1]);
+      const double weight = (i == 0 ? 1 - fraction[0] : fraction[0]) * (j == 0 ? 1 - fraction[1] : fraction[1]);
       if (weight == 0) continue;
       int at[2] = {cell[0] + i, cell[1] + j};
       for (int a = 0; a < 2; ++a) {
@@ -268,9 +268,9 @@ FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const 
   const FarField of_softer(grid, zone.h, zone.inside, far_means(zone, sizes, response, softer));
   const std::vector<double> base = pressure_of(problem);
   result.error = error_within_cell(zone, result.square);
-  if (const double part = part_within_means(zone, result.square); part > 0)
+  if (const double fraction = fraction_within_means(zone, result.square); fraction > 0)
     for (std::size_t n = 0; n < result.error.size(); ++n)
-      result.error[n] = std::hypot(result.error[n], part * std::sqrt(std::max(result.square[n], 0.0)));
+      result.error[n] = std::hypot(result.error[n], fraction * std::sqrt(std::max(result.square[n], 0.0)));
   for (const PatchProblem& variant : {problem_with(far, details / other_details), problem_with(of_softer, details)}) {
     const std::vector<double> other = pressure_of(variant);
     for (std::size_t k = 0; k < patches.size(); ++k) {

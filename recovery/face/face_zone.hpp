@@ -20,7 +20,7 @@ struct FaceGroup {
 /// Fraction of a patch that belongs to a group; those of a patch add up to 1.
 struct FaceShare {
   int patch, group;
-  double part;
+  double fraction;
 };
 
 struct FaceZone {
@@ -44,9 +44,9 @@ struct FacePressure {
   std::vector<double> error;
   FaceSolution solution;  ///< on the finest patches
   /// Returns the pressure, Pa, bilinear in the square; zero outside.
-  double at(const FacePlace& x) const;
+  double at(const FacePosition& x) const;
   /// Returns the square, Pa^2, bilinear; negative outside.
-  double square_at(const FacePlace& x) const;
+  double square_at(const FacePosition& x) const;
 };
 
 FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const FaceOptions& options);

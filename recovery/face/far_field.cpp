@@ -61,12 +61,12 @@ class Knots {
 /// Integrals over a knot interval of products of two of its splines' derivatives, of the same order: Gauss' rule of
 /// four points is exact.
 Eigen::Matrix4d products_on_interval(int derivative) {
-  constexpr std::array<double, 2> place{0.861136311594052575, 0.339981043584856265},
+  constexpr std::array<double, 2> point{0.861136311594052575, 0.339981043584856265},
       weight{0.347854845137453857, 0.652145154862546143};
   Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
   for (int k = 0; k < 2; ++k)
     for (const int side : {-1, 1}) {
-      const auto values = cubic((1 + side * place[k]) / 2, derivative);
+      const auto values = cubic((1 + side * point[k]) / 2, derivative);
       const Eigen::Map<const Eigen::Vector4d> v(values.data());
       sum += weight[k] / 2 * v * v.transpose();
     }
@@ -85,7 +85,7 @@ class FaceSplines {
   /// Calls use(spline, value) for the splines that are not zero at a patch.
   template <class Use>
   void each(int patch, const Use& use) const {
-    const FacePlace x = grid_.centre(patch);
+    const FacePosition x = grid_.centre(patch);
     const int j = knots_[1].interval(x[1]);
     const std::array<double, 4> along = cubic(knots_[1].fraction(x[1], j), 0);
     if (axes_ == 1) {
@@ -98,24 +98,25 @@ class FaceSplines {
       for (int l = 0; l < 4; ++l) use(spline(i, j, k, l), across[k] * along[l]);
   }
   int interval(int patch) const {
-    const FacePlace x = grid_.centre(patch);
+    const FacePosition x = grid_.centre(patch);
     return (axes_ == 1 ? 0 : knots_[0].interval(x[0])) * knots_[1].count() + knots_[1].interval(x[1]);
   }
 
   /// Adds the integral of |D^3 r|^2 over a fraction of each interval to `entries`, in units of h.
-  void add_bending(double h, const std::vector<double>& part, std::vector<Eigen::Triplet<double>>& entries) const {
+  void add_bending(double h, const std::vector<double>& fractions, std::vector<Eigen::Triplet<double>>& entries) const {
     std::array<Eigen::Matrix4d, order + 1> along, across;
     for (int d = 0; d <= order; ++d) {
       across[d] = products_on_interval(d) * scale(0, h, d);
       along[d] = products_on_interval(d) * scale(1, h, d);
     }
     for (int interval = 0; interval < num_intervals(); ++interval) {
-      if (!(part[interval] > 0)) continue;
+      if (!(fractions[interval] > 0)) continue;
       const int i = interval / knots_[1].count(), j = interval % knots_[1].count();
       if (axes_ == 1) {
         for (int l = 0; l < 4; ++l)
           for (int m = 0; m < 4; ++m)
-            entries.emplace_back(knots_[1].spline(j, l), knots_[1].spline(j, m), part[interval] * along[order](l, m));
+            entries.emplace_back(knots_[1].spline(j, l), knots_[1].spline(j, m),
+                                 fractions[interval] * along[order](l, m));
         continue;
       }
       for (int k = 0; k < 16; ++k)
@@ -123,7 +124,7 @@ class FaceSplines {
           double sum = 0;
           for (int d = 0; d <= order; ++d)
             sum += (d == 0 || d == order ? 1 : order) * across[d](k / 4, l / 4) * along[order - d](k % 4, l % 4);
-          entries.emplace_back(spline(i, j, k / 4, k % 4), spline(i, j, l / 4, l % 4), part[interval] * sum);
+          entries.emplace_back(spline(i, j, k / 4, k % 4), spline(i, j, l / 4, l % 4), fractions[interval] * sum);
         }
     }
   }
@@ -165,8 +166,8 @@ FarField::FarField(const FaceGrid& grid, double h, const std::vector<char>& insi
     values_[row] = mean.value;
     total += weight;
     std::map<int, double> of_spline;
-    for (const auto& [patch, part] : mean.patches)
-      splines.each(patch, [&of_spline, part = part](int j, double value) { of_spline[j] += part * value; });
+    for (const auto& [patch, fraction] : mean.patches)
+      splines.each(patch, [&of_spline, fraction = fraction](int j, double value) { of_spline[j] += fraction * value; });
     for (const auto& [j, value] : of_spline) entries.emplace_back(static_cast<int>(m), j, value);
   }
   const double square = total > 0 ? total / weights_.sum() : 0;
@@ -175,11 +176,11 @@ FarField::FarField(const FaceGrid& grid, double h, const std::vector<char>& insi
   rows_.resize(static_cast<Eigen::Index>(means.size()), splines.count());
   rows_.setFromTriplets(entries.begin(), entries.end());
   known_ = rows_.transpose() * weights_.asDiagonal() * rows_;
-  std::vector<double> part(splines.num_intervals(), 0.0);
+  std::vector<double> fractions(splines.num_intervals(), 0.0);
   for (int patch = 0; patch < grid.num_patches(); ++patch)
-    if (inside[patch]) part[splines.interval(patch)] += grid.area() / splines.interval_area();
+    if (inside[patch]) fractions[splines.interval(patch)] += grid.area() / splines.interval_area();
   entries.clear();
-  splines.add_bending(h, part, entries);
+  splines.add_bending(h, fractions, entries);
   for (int j = 0; j < splines.count(); ++j) entries.emplace_back(j, j, 0.0);
   bent_ = matrix_of(splines.count(), entries);
 }

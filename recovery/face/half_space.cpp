@@ -15,9 +15,9 @@ KOKKOS_FUNCTION double rectangle(double x, double y, double a, double b) {
   const auto length = [](double u, double v) { return std::sqrt(u * u + v * v); };
   const double upper_right = length(upper, right), upper_left = length(upper, left), lower_right = length(lower, right),
                lower_left = length(lower, left);
-  const auto part = [](double u, double above, double below) { return u == 0 ? 0.0 : u * std::log(above / below); };
-  return part(right, upper + upper_right, lower + lower_right) + part(upper, right + upper_right, left + upper_left) -
-         part(left, upper + upper_left, lower + lower_left) - part(lower, right + lower_right, left + lower_left);
+  const auto term = [](double u, double above, double below) { return u == 0 ? 0.0 : u * std::log(above / below); };
+  return term(right, upper + upper_right, lower + lower_right) + term(upper, right + upper_right, left + upper_left) -
+         term(left, upper + upper_left, lower + lower_left) - term(lower, right + lower_right, left + lower_left);
 }
 
 /// Minus twice the integral of ln|x - xi| over |xi| < a, m.
@@ -67,7 +67,7 @@ struct Lattice {
         sum += one(x + k * period[0], y + l * period[1]);
         if (k != 0 || l != 0) sum -= one(k * period[0], l * period[1]);
       }
-    // Those beyond as a line: far from the places, not from each other.
+    // Those beyond as a line: far from the points, not from each other.
     for (int a = 0; a < 2 && num_periods[0] * num_periods[1] == 0 && !plane_strain; ++a) {
       if (num_periods[a] == 0) continue;
       const double begin = (num_periods[a] + 0.5) * period[a], across = (a == 0 ? y : x) / begin;
@@ -112,7 +112,7 @@ constexpr int far_points = 2, near_points = 8;
 /// Rings of pressure around an axis of revolution.
 struct Rings {
   struct Point {
-    double radius, height, place;  ///< m; place: along the face
+    double radius, height, position;  ///< m; position: along the face
   };
   /// (patch, point): its centre, those for rings far away, those for rings nearby
   Kokkos::View<Point * [1 + far_points + near_points], Kokkos::LayoutRight, MemSpace> points;
@@ -129,15 +129,15 @@ struct Rings {
     const auto host = Kokkos::create_mirror_view(points);
     for (int n = 0; n < grid.size[1]; ++n) {
       const double middle = grid.centre(n)[1];
-      const auto point_at = [&](double place) {
-        const Eigen::Vector2d x = grid.meridian->at(place);
-        return Point{std::abs(x[0]), x[1], place};
+      const auto point_at = [&](double position) {
+        const Eigen::Vector2d x = grid.meridian->at(position);
+        return Point{std::abs(x[0]), x[1], position};
       };
       int p = 0;
       host(n, p++) = point_at(middle);
       for (const int side : {-1, 1}) host(n, p++) = point_at(middle + side * half / std::sqrt(3.0));
-      for (const double part : near)
-        for (const int side : {-1, 1}) host(n, p++) = point_at(middle + side * half * part);
+      for (const double offset : near)
+        for (const int side : {-1, 1}) host(n, p++) = point_at(middle + side * half * offset);
     }
     Kokkos::deep_copy(points, host);
   }
@@ -146,8 +146,8 @@ struct Rings {
   KOKKOS_FUNCTION static double displacement(const Point& x, const Point& y) {
     const double near = x.radius - y.radius, far = x.radius + y.radius, height = x.height - y.height;
     const double longest = far * far + height * height, shortest = near * near + height * height;
-    const double part = shortest / longest;
-    return 4 * y.radius / std::sqrt(longest) * elliptic_integral(part > 1e-30 ? part : 1e-30);
+    const double ratio = shortest / longest;
+    return 4 * y.radius / std::sqrt(longest) * elliptic_integral(ratio > 1e-30 ? ratio : 1e-30);
   }
 
   /// Integrates the displacement by rings of unit pressure over a patch, times pi E*, m: K(k) grows as the logarithm of
@@ -163,10 +163,10 @@ struct Rings {
     }
     for (int q = 0; q < near_points; ++q) {
       const Point& y = points(from, 1 + far_points + q);
-      const double distance = std::abs(x.place - y.place), least = 1e-12 * half;
+      const double distance = std::abs(x.position - y.position), least = 1e-12 * half;
       sum += weight[q / 2] * half * (displacement(x, y) + 2 * std::log(distance > least ? distance : least));
     }
-    return sum + strip(x.place - points(from, 0).place, half);
+    return sum + strip(x.position - points(from, 0).position, half);
   }
 
   KOKKOS_FUNCTION double ring(int patch) const { return points(patch, 0).radius / unit_radius; }

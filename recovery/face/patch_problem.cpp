@@ -7,7 +7,7 @@ namespace cgcontact {
 namespace {
 
 /// Patches along an axis that has enough of them to merge; boxes have a multiple of some.
-constexpr int least_to_merge = 16, multiple = 8;
+constexpr int min_to_merge = 16, multiple = 8;
 
 template <class View, class T>
 void to_device(const FaceGrid& grid, const std::vector<T>& values, const View& view) {
@@ -43,7 +43,7 @@ PatchBox box_of(const FaceGrid& grid, const std::vector<char>& may_press) {
   }
   PatchBox box;
   for (int a = 0; a < 2; ++a) {
-    const bool whole = last[a] < 0 || grid.end[a] == FaceEnd::period || grid.size[a] < least_to_merge;
+    const bool whole = last[a] < 0 || grid.end[a] == FaceEnd::period || grid.size[a] < min_to_merge;
     box.first[a] = whole || grid.end[a] == FaceEnd::mirror ? 0 : first[a] / multiple * multiple;
     box.size[a] = whole ? grid.size[a] : std::min((last[a] / multiple + 1) * multiple, grid.size[a]) - box.first[a];
   }
@@ -58,23 +58,23 @@ std::vector<int> patches_of(const FaceGrid& grid, const PatchBox& box) {
 }
 
 PatchProblem cut_out(const PatchProblem& whole, const PatchBox& box) {
-  PatchProblem part{whole.grid, whole.modulus, whole.force, {}, {}};
+  PatchProblem region{whole.grid, whole.modulus, whole.force, {}, {}};
   for (int a = 0; a < 2; ++a) {
-    part.grid.size[a] = box.size[a];
-    part.grid.low[a] += box.first[a] * whole.grid.spacing[a];
+    region.grid.size[a] = box.size[a];
+    region.grid.low[a] += box.first[a] * whole.grid.spacing[a];
   }
   for (const int n : patches_of(whole.grid, box)) {
-    part.may_press.push_back(whole.may_press[n]);
-    part.gap.push_back(whole.gap[n]);
+    region.may_press.push_back(whole.may_press[n]);
+    region.gap.push_back(whole.gap[n]);
   }
-  return part;
+  return region;
 }
 
 CoarsePatches coarse_patches(const FaceGrid& grid) {
   CoarsePatches coarse;
   coarse.grid = grid;
   for (int a = 0; a < 2; ++a) {
-    if (grid.size[a] % 2 == 0 && grid.size[a] >= least_to_merge) coarse.merged[a] = 2;
+    if (grid.size[a] % 2 == 0 && grid.size[a] >= min_to_merge) coarse.merged[a] = 2;
     coarse.grid.size[a] /= coarse.merged[a];
     coarse.grid.spacing[a] *= coarse.merged[a];
   }
@@ -106,7 +106,7 @@ PatchProblem coarsened(const PatchProblem& fine, const CoarsePatches& coarse) {
 
 FaceSolution solve_nested(const ExecSpace& exec, const PatchProblem& problem, const FaceOptions& options,
                           std::vector<double>& p) {
-  PatchProblem part = problem;
+  PatchProblem region = problem;
   PatchBox box{{0, 0}, problem.grid.size};
   if (const CoarsePatches coarse = coarse_patches(problem.grid); coarse.any()) {
     std::vector<double> found = coarse.means(p, problem.may_press);
@@ -114,20 +114,20 @@ FaceSolution solve_nested(const ExecSpace& exec, const PatchProblem& problem, co
     start.tolerance = std::sqrt(options.tolerance);
     solve_nested(exec, coarsened(problem, coarse), start, found);
     for (std::size_t n = 0; n < p.size(); ++n) p[n] = problem.may_press[n] ? found[coarse.parent[n]] : 0;
-    narrow(coarse, found, part.may_press);
-    box = box_of(part.grid, part.may_press);
-    part = cut_out(part, box);
+    narrow(coarse, found, region.may_press);
+    box = box_of(region.grid, region.may_press);
+    region = cut_out(region, box);
   }
-  const FaceGrid& grid = part.grid;
+  const FaceGrid& grid = region.grid;
   const std::vector<int> patches = patches_of(problem.grid, box);
   std::vector<double> start;
   for (const int n : patches) start.push_back(p[n]);
   const HalfSpace::Patches gap("cgcontact::patch_problem::gap", grid.size[0], grid.size[1]),
       pressure("cgcontact::patch_problem::pressure", grid.size[0], grid.size[1]);
   const HalfSpace::Marks marks("cgcontact::patch_problem::may_press", grid.size[0], grid.size[1]);
-  to_device(grid, part.gap, gap);
+  to_device(grid, region.gap, gap);
   to_device(grid, start, pressure);
-  to_device(grid, part.may_press, marks);
+  to_device(grid, region.may_press, marks);
   const FaceSolution solution = solve_face_problem(exec, grid, HalfSpace(exec, grid, problem.modulus), gap, marks,
                                                    problem.force, options.tolerance, options.max_iterations, pressure);
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), pressure);

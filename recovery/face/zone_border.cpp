@@ -8,15 +8,15 @@ namespace {
 
 using Quadratic = Eigen::Matrix<double, 6, 1>;  ///< of 1, x, y, x^2 / 2, x y, y^2 / 2
 
-Quadratic terms(const FacePlace& x) {
+Quadratic terms(const FacePosition& x) {
   Quadratic row;
   row << 1, x[0], x[1], 0.5 * x[0] * x[0], x[0] * x[1], 0.5 * x[1] * x[1];
   return row;
 }
 
 /// Returns the weight of a patch at that fraction of the reach.
-double fading(double part) {
-  const double w = std::max(1 - part * part, 0.0);
+double fading(double fraction) {
+  const double w = std::max(1 - fraction * fraction, 0.0);
   return w * w;
 }
 
@@ -33,7 +33,7 @@ bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vec
     for (int j = -columns; j <= columns; ++j) {
       const int n = grid.beyond(patch, {i, j});
       if (n < 0 || !inside[n] || !(square[n] > 0)) continue;
-      const FacePlace x(i * grid.spacing[0] / reach * (grid.plane_strain ? 0 : 1), j * grid.spacing[1] / reach);
+      const FacePosition x(i * grid.spacing[0] / reach * (grid.plane_strain ? 0 : 1), j * grid.spacing[1] / reach);
       const double weight = fading(x.norm());
       if (weight == 0) continue;
       const Quadratic row = terms(x);
@@ -49,11 +49,11 @@ bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vec
 }
 
 /// Moves a point near the border onto it; false if the function has no zero near.
-bool move_to_border(const Quadratic& c, FacePlace& x, double farthest) {
-  const FacePlace start = x;
+bool move_to_border(const Quadratic& c, FacePosition& x, double farthest) {
+  const FacePosition start = x;
   for (int round = 0; round < 8; ++round) {
-    const FacePlace gradient(c[1] + c[3] * x[0] + c[4] * x[1], c[2] + c[4] * x[0] + c[5] * x[1]);
-    const FacePlace step = -c.dot(terms(x)) / gradient.squaredNorm() * gradient;
+    const FacePosition gradient(c[1] + c[3] * x[0] + c[4] * x[1], c[2] + c[4] * x[0] + c[5] * x[1]);
+    const FacePosition step = -c.dot(terms(x)) / gradient.squaredNorm() * gradient;
     if (!step.allFinite()) return false;
     x += step;
     if ((x - start).norm() > farthest) return false;
@@ -75,16 +75,16 @@ std::vector<BorderPoint> border_of_zone(const FaceGrid& grid, const std::vector<
         if (next < 0 || next == n || !inside[next] || square[next] > 0) continue;
         Quadratic c;
         if (!fit(grid, square, inside, n, reach, c)) continue;
-        FacePlace x = FacePlace::Zero();
+        FacePosition x = FacePosition::Zero();
         x[a] = side * grid.spacing[a] / reach * square[n] / (square[n] - square[next]);
         if (!move_to_border(c, x, 0.5)) continue;
-        const FacePlace gradient(c[1] + c[3] * x[0] + c[4] * x[1], c[2] + c[4] * x[0] + c[5] * x[1]);
+        const FacePosition gradient(c[1] + c[3] * x[0] + c[4] * x[1], c[2] + c[4] * x[0] + c[5] * x[1]);
         const double slope = gradient.norm();
-        const FacePlace inward = gradient / slope, along(-inward[1], inward[0]);
+        const FacePosition inward = gradient / slope, along(-inward[1], inward[0]);
         Eigen::Matrix2d second;
         second << c[3], c[4], c[4], c[5];
         BorderPoint& point = border.emplace_back();
-        point.place = grid.centre(n) + reach * x;
+        point.position = grid.centre(n) + reach * x;
         point.inward = inward;
         point.slope = slope / reach;
         point.curvature = grid.plane_strain ? 0 : along.dot(second * along) / slope / reach;

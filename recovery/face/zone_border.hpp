@@ -7,9 +7,10 @@ namespace cgcontact {
 
 /// Point of the border; lengths along the face, m.
 struct BorderPoint {
-  FacePlace place = FacePlace::Zero(), inward = FacePlace::UnitY();  ///< on the border; unit direction into the zone
-  double curvature = 0;      ///< of the border, 1/m; negative around a convex zone
-  double slope = 0;          ///< of the square of the pressure across the border, Pa^2 / m
+  FacePosition position = FacePosition::Zero();  ///< on the border
+  FacePosition inward = FacePosition::UnitY();   ///< unit direction into the zone
+  double curvature = 0;                          ///< of the border, 1/m; negative around a convex zone
+  double slope = 0;                              ///< of the square of the pressure across the border, Pa^2 / m
   double inverse_width = 0;  ///< 1 / width at which a parabola across the border falls to zero again, 1/m; 0: wider
 };
 

@@ -26,11 +26,11 @@ struct EdgePoints {
     const int cut = cc.cut_of_active[c];
     const double width = cc.size(c);
     for (int q = 0; q < size; ++q) {
-      const int place[3] = {q / (n * n), q / n % n, q % n};
+      const int index[3] = {q / (n * n), q / n % n, q % n};
       weight[q] = 1. / 8;
       for (int d = 0; d < 3; ++d) {
-        weight[q] *= Gauss::weight[place[d]];
-        position[d][q] = width * (cc.cells[c][d] + 0.5 * (Gauss::point[place[d]] + 1));
+        weight[q] *= Gauss::weight[index[d]];
+        position[d][q] = width * (cc.cells[c][d] + 0.5 * (Gauss::point[index[d]] + 1));
       }
     }
     if constexpr (n == 3) {

@@ -7,7 +7,7 @@ namespace cgcontact {
 
 /// Range of an array.
 template <class T>
-struct ListPart {
+struct ListRange {
   const T *first, *last;
   const T* begin() const { return first; }
   const T* end() const { return last; }
@@ -22,7 +22,7 @@ struct FlatLists {
   std::vector<int> begin{0};
   std::vector<T> items;
 
-  ListPart<T> operator[](std::size_t i) const { return {items.data() + begin[i], items.data() + begin[i + 1]}; }
+  ListRange<T> operator[](std::size_t i) const { return {items.data() + begin[i], items.data() + begin[i + 1]}; }
   void add(const std::vector<T>& list) {
     items.insert(items.end(), list.begin(), list.end());
     begin.push_back(static_cast<int>(items.size()));

@@ -8,7 +8,7 @@
 namespace cgcontact {
 
 /// Segment of the edge of a contact zone; global axes.
-struct EdgePiece {
+struct ZoneEdgeSegment {
   Vec3 origin = Vec3::Zero(), closed = Vec3::UnitX(),
        along = Vec3::UnitY();  ///< m; across the edge into the zone, along it
   double curvature = 0;        ///< 1/m, negative around a convex zone
@@ -30,7 +30,7 @@ class KnownPressures {
   /// Returns whether there is such a problem for any zone of the pair.
   virtual bool has_zone(int pair) const = 0;
   /// Finds the edge of a zone of the pair near x (m, global axes); false if none in reach.
-  virtual bool edge_near(int pair, const Vec3& x, EdgePiece& piece) const = 0;
+  virtual bool edge_near(int pair, const Vec3& x, ZoneEdgeSegment& segment) const = 0;
 };
 
 }  // namespace cgcontact

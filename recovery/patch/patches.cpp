@@ -39,7 +39,7 @@ MonomialMoments monomial_moments(const Moments& m) {
 class CornerCells {
  public:
   explicit CornerCells(const BodyMesh& mesh) : mesh_(mesh) {
-    if (mesh.parts.empty()) return;
+    if (mesh.level_meshes.empty()) return;
     begin_.assign(mesh.num_nodes + 1, 0);
     each_corner([&](int node, int) { ++begin_[node + 1]; });
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
@@ -55,10 +55,10 @@ class CornerCells {
       for (int i = begin_[node]; i < begin_[node + 1]; ++i) cells[count++] = cells_[i];
       return count;
     }
-    const Index3& place = mesh_.nodes[node];
+    const Index3& position = mesh_.nodes[node];
     for (int a = 0; a < 8; ++a) {
-      const int c =
-          mesh_.cut_cells->find({place[0] - 1 + (a & 1), place[1] - 1 + (a >> 1 & 1), place[2] - 1 + (a >> 2)});
+      const int c = mesh_.cut_cells->find(
+          {position[0] - 1 + (a & 1), position[1] - 1 + (a >> 1 & 1), position[2] - 1 + (a >> 2)});
       if (c >= 0) cells[count++] = c;
     }
     return count;
@@ -93,23 +93,23 @@ class CornerCells {
 
 /// Joins a patch of too little volume with the patch of the fullest neighbouring node; with one cell of
 /// material the condition of the patch's mass matrix stays below 370 (degree 1). True if anything was added.
-bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec3& middle, int n, double least_volume,
+bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec3& middle, int n, double min_volume,
                 double have, std::vector<int>& patch) {
   const CutCells& cc = *mesh.cut_cells;
   const double unit = unit_of(mesh, n);
   const Vec3 own = mesh.node_position(n);
   bool grown = false;
-  for (int step = 0; step < 3 && have < least_volume; ++step) {
+  for (int step = 0; step < 3 && have < min_volume; ++step) {
     double best = -1;
     int anchor = -1;
     for (int c : patch)
       for (int node : mesh.cell_nodes[c])
         each_master(mesh, node - mesh.first_node, [&](int m, double) {
-          const Vec3 place = mesh.node_position(m);
+          const Vec3 position = mesh.node_position(m);
           // Takes the nearest one of equals; of those the one towards the middle of the body, in its mirror image as
           // well.
-          const double away = ((place - middle).norm() - (own - middle).norm()) / unit;
-          const double score = corner_cells.volume_around(m) - 1e-3 * ((place - own).norm() / unit) - 1e-5 * away;
+          const double away = ((position - middle).norm() - (own - middle).norm()) / unit;
+          const double score = corner_cells.volume_around(m) - 1e-3 * ((position - own).norm() / unit) - 1e-5 * away;
           if (score > best * (1 + 1e-9)) best = score, anchor = m;
         });
     int around[8];
@@ -154,7 +154,7 @@ struct PatchRange {
   std::vector<int> size, cells;
 };
 
-PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cells, double least_volume,
+PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cells, double min_volume,
                             const Subset& nodes, std::size_t begin, std::size_t end, PatchSet& set) {
   const CutCells& cc = *mesh.cut_cells;
   const Vec3 middle = middle_of(cc.solid);
@@ -175,8 +175,8 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cell
       full = full && cc.cut_of_active[c] < 0 && cc.level(c) == cc.level(patch.front());
     }
     set.full[n] = full;
-    if (volume < least_volume)
-      set.grown[n] = grow_patch(mesh, corner_cells, middle, static_cast<int>(n), least_volume, volume, patch);
+    if (volume < min_volume)
+      set.grown[n] = grow_patch(mesh, corner_cells, middle, static_cast<int>(n), min_volume, volume, patch);
     range.size.push_back(static_cast<int>(patch.size()));
     range.cells.insert(range.cells.end(), patch.begin(), patch.end());
   }
@@ -193,11 +193,11 @@ void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked) {
   }
 }
 
-PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
-  return make_patches(mesh, least_volume, Subset(mesh.num_nodes));
+PatchSet make_patches(const BodyMesh& mesh, double min_volume) {
+  return make_patches(mesh, min_volume, Subset(mesh.num_nodes));
 }
 
-PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& nodes) {
+PatchSet make_patches(const BodyMesh& mesh, double min_volume, const Subset& nodes) {
   const CutCells& cc = *mesh.cut_cells;
   PatchSet set;
   set.grown.assign(mesh.num_nodes, 0);
@@ -206,7 +206,7 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& n
   std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain_of_light));
   parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain_of_light,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, least_volume, nodes, begin, end, set);
+                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, min_volume, nodes, begin, end, set);
                   });
   std::size_t total = 0;
   for (const PatchRange& range : ranges) total += range.cells.size();
@@ -225,9 +225,9 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& n
   return set;
 }
 
-std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double least_volume) {
+std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double min_volume) {
   std::vector<PatchSet> sets;
-  for (const BodyMesh& mesh : meshes) sets.push_back(make_patches(mesh, least_volume));
+  for (const BodyMesh& mesh : meshes) sets.push_back(make_patches(mesh, min_volume));
   return sets;
 }
 

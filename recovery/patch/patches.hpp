@@ -58,11 +58,11 @@ inline double unit_of(const BodyMesh& mesh, int node) { return std::ldexp(1.0, -
 /// Marks the nodes of a cell and the masters of those that are constrained.
 void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked);
 
-/// Makes the patches. least_volume: cells; smaller patches are joined with a neighbour's.
-PatchSet make_patches(const BodyMesh& mesh, double least_volume = 1);
+/// Makes the patches. min_volume: cells; smaller patches are joined with a neighbour's.
+PatchSet make_patches(const BodyMesh& mesh, double min_volume = 1);
 /// Makes the patches of some nodes only; the others have no cells.
-PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& nodes);
+PatchSet make_patches(const BodyMesh& mesh, double min_volume, const Subset& nodes);
 /// Makes the patches of several bodies.
-std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double least_volume);
+std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double min_volume);
 
 }  // namespace cgcontact

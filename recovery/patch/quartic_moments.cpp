@@ -32,7 +32,7 @@ QuarticMoments quartic_moments(const Moments& m) {
 QuadraticMass quadratic_mass(const double* moments) {
   QuadraticMass mass;
   for (int s = 0; s < 10; ++s)
-    for (int t = 0; t < 10; ++t) mass(s, t) = moments[place_of_product(s, t)];
+    for (int t = 0; t < 10; ++t) mass(s, t) = moments[index_of_product(s, t)];
   return mass;
 }
 

@@ -24,7 +24,7 @@ using QuarticMoments = std::array<double, num_quartics>;
 QuarticMoments quartic_moments(const Moments& moments);
 
 /// Returns the index of the product of two terms of Polynomial<2> among the monomials.
-KOKKOS_FORCEINLINE_FUNCTION constexpr int place_of_product(int s, int t) {
+KOKKOS_FORCEINLINE_FUNCTION constexpr int index_of_product(int s, int t) {
   constexpr int power[10][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0},
                                 {0, 2, 0}, {0, 0, 2}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}};
   return quartic_index(power[s][0] + power[t][0], power[s][1] + power[t][1], power[s][2] + power[t][2]);

@@ -46,14 +46,14 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
   out.stress.resize(size);
   out.square.resize(size);
   parallel_for("cgcontact::cell_stress::integrals", size, grain_of_medium, [&](std::size_t row) {
-    const int cell = out.cells.number(static_cast<int>(row)), place = out.moments_of_row[row];
+    const int cell = out.cells.number(static_cast<int>(row)), slot = out.moments_of_row[row];
     const CellPolynomial polynomial = stress(cell);
     CellPolynomial integrals;
-    if (place == 0) {
+    if (slot == 0) {
       integrals = polynomial * full;
     } else {
-      out.moments[place] = quartic_moments(cc.moments[cc.cut_of_active[cell]]);
-      integrals = polynomial * quadratic_mass(out.moments[place].data());
+      out.moments[slot] = quartic_moments(cc.moments[cc.cut_of_active[cell]]);
+      integrals = polynomial * quadratic_mass(out.moments[slot].data());
     }
     out.stress[row] << integrals, Eigen::Matrix<double, 2, Polynomial<2>::num_terms>::Zero();
     out.square[row] = integrals.cwiseProduct(polynomial).sum();

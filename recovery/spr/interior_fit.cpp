@@ -17,10 +17,10 @@ InteriorFit::InteriorFit(const BodyMesh& mesh, const RealView& u, bool corrected
 
 /// Ascending.
 void InteriorFit::find_cells(int node, int cells[8]) const {
-  const Index3& place = mesh_.nodes[node];
+  const Index3& position = mesh_.nodes[node];
   for (int a = 0; a < 8; ++a) {
-    cells[a] = mesh_.cut_cells->find(level_of(mesh_, node),
-                                     {place[0] - 1 + (a & 1), place[1] - 1 + (a >> 1 & 1), place[2] - 1 + (a >> 2)});
+    cells[a] = mesh_.cut_cells->find(
+        level_of(mesh_, node), {position[0] - 1 + (a & 1), position[1] - 1 + (a >> 1 & 1), position[2] - 1 + (a >> 2)});
     if (cells[a] < 0 || mesh_.cut_cells->cut_of_active[cells[a]] >= 0)
       throw std::logic_error("a node at the boundary has no interior fit");
   }

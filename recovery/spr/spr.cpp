@@ -31,25 +31,26 @@ void move_polynomial(const double from[Quadratic::num_terms], const double offse
 
 }  // namespace
 
-RecoveredField part_of(const RecoveredField& field, Subset nodes) {
-  RecoveredField part{std::move(nodes), {}};
-  part.values =
-      CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::part"), part.nodes.size());
+RecoveredField restricted_field(const RecoveredField& field, Subset nodes) {
+  RecoveredField result{std::move(nodes), {}};
+  result.values =
+      CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::part"), result.nodes.size());
   std::vector<int> rows, others;
-  for (int row = 0; row < part.nodes.size(); ++row) {
-    const int node = part.nodes.number(row);
+  for (int row = 0; row < result.nodes.size(); ++row) {
+    const int node = result.nodes.number(row);
     if (field.nodes.row(node) >= 0) {
-      std::copy_n(field.at(node), 6 * num_terms, &part.values(row, 0, 0));
+      std::copy_n(field.at(node), 6 * num_terms, &result.values(row, 0, 0));
       continue;
     }
     rows.push_back(row);
     others.push_back(node);
   }
-  if (others.empty()) return part;
+  if (others.empty()) return result;
   std::vector<Coefficients> made(others.size());
   field.interior->at_all(others, made.front().data());
-  for (std::size_t i = 0; i < rows.size(); ++i) std::copy_n(made[i].data(), 6 * num_terms, &part.values(rows[i], 0, 0));
-  return part;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    std::copy_n(made[i].data(), 6 * num_terms, &result.values(rows[i], 0, 0));
+  return result;
 }
 
 PolynomialBlock::PolynomialBlock(const BodyMesh& mesh, const RecoveredField& field, std::size_t first_cell,
@@ -164,23 +165,23 @@ int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressV
 }
 
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
-                int nodes_per_part) {
+                int nodes_per_chunk) {
   int singular = 0;
   CellStressView buffer;
   const auto [first, last] = share_out(field.nodes.size());
-  for (int begin = static_cast<int>(first); begin < static_cast<int>(last); begin += nodes_per_part) {
-    const int end = std::min(begin + nodes_per_part, static_cast<int>(last));
+  for (int begin = static_cast<int>(first); begin < static_cast<int>(last); begin += nodes_per_chunk) {
+    const int end = std::min(begin + nodes_per_chunk, static_cast<int>(last));
     std::vector<char> marked(mesh.num_nodes, 0);
     for (int row = begin; row < end; ++row) marked[field.nodes.number(row)] = 1;
-    const RecoveredField part_of_field{
-        Subset(marked), Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
-    const Subset cells = cells_of_patches(mesh, patches, part_of_field.nodes);
+    const RecoveredField chunk{Subset(marked),
+                               Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
+    const Subset cells = cells_of_patches(mesh, patches, chunk.nodes);
     if (static_cast<int>(buffer.extent(0)) < cells.size())
       buffer =
           CellStressView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::cell_stress"), cells.size());
     integrate_cell_stress(mesh, patches, cells, u, buffer);
-    singular += fit_nodes(Host(), host_arrays(mesh, patches), host_arrays(part_of_field.nodes), buffer,
-                          host_arrays(cells), part_of_field.values);
+    singular += fit_nodes(Host(), host_arrays(mesh, patches), host_arrays(chunk.nodes), buffer, host_arrays(cells),
+                          chunk.values);
   }
   if (num_ranks() > 1) {
     put_together(field.values.data(), field.nodes.size(), sizeof(double) * 6 * num_terms);

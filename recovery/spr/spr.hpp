@@ -49,7 +49,7 @@ struct RecoveredField {
 };
 
 /// Copies a field for some nodes; of no others.
-RecoveredField part_of(const RecoveredField& field, Subset nodes);
+RecoveredField restricted_field(const RecoveredField& field, Subset nodes);
 
 /// The polynomials of the nodes of successive cells, so that those that are not stored are made once. Refers to the
 /// field.
@@ -89,7 +89,7 @@ int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressV
 /// Fits all nodes of a field to the displacements, in chunks: the integrals of all cells would take as much memory as
 /// the field. Returns the number of singular patches. Collective.
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
-                int nodes_per_part = 200000);
+                int nodes_per_chunk = 200000);
 
 /// Adds what the terms of the contact edges at a cell's nodes contribute. N: shape functions at xi.
 void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],

@@ -13,23 +13,23 @@ KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, dou
                                                   const Ring& ring = {}) {
   corner_differences(u);
   // Moments of the four terms of each derivative times {1, x, y, z}.
-  constexpr int place[3][num_terms][4] = {{{0, 2, 3, 8}, {1, 7, 9, 10}, {2, 5, 8, 14}, {3, 8, 6, 16}},
-                                          {{0, 1, 3, 9}, {1, 4, 9, 12}, {2, 7, 8, 10}, {3, 9, 6, 15}},
-                                          {{0, 1, 2, 7}, {1, 4, 7, 11}, {2, 7, 5, 13}, {3, 9, 8, 10}}};
+  constexpr int slot[3][num_terms][4] = {{{0, 2, 3, 8}, {1, 7, 9, 10}, {2, 5, 8, 14}, {3, 8, 6, 16}},
+                                         {{0, 1, 3, 9}, {1, 4, 9, 12}, {2, 7, 8, 10}, {3, 9, 6, 15}},
+                                         {{0, 1, 2, 7}, {1, 4, 7, 11}, {2, 7, 5, 13}, {3, 9, 8, 10}}};
   for (int t = 0; t < num_terms; ++t) {
     double g[3][3], s[6];
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) {
         g[i][j] = 0;
         for (int term = 0; term < 4; ++term)
-          g[i][j] += corner_scale(term) * moments[place[j][t][term]] * u[corner_difference(j, term)][i];
+          g[i][j] += corner_scale(term) * moments[slot[j][t][term]] * u[corner_difference(j, term)][i];
       }
     if (ring.across >= 0) {
       const int a = ring.across;
       double c[4];
       ring_differences(ring, u, c);
       g[a][a] = g[ring.radial][ring.radial];
-      for (int term = 0; term < 4; ++term) g[a][a] += c[term] * moments[place[a][t][term]];
+      for (int term = 0; term < 4; ++term) g[a][a] += c[term] * moments[slot[a][t][term]];
     }
     law.stress(g, s);
     for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];

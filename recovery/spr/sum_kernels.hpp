@@ -25,8 +25,8 @@ struct IntegralArrays {
   /// Returns the volume of the material in a cell that they hold.
   KOKKOS_FORCEINLINE_FUNCTION double volume(int cell) const { return moments(moments_of_row(subset.row(cell)), 0); }
 
-  KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int place, const double centre[3]) const {
-    return axis == flat ? 0 : place + 0.5 - centre[axis];
+  KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int index, const double centre[3]) const {
+    return axis == flat ? 0 : index + 0.5 - centre[axis];
   }
 
   /// Sums over ascending cells of one level; the level is the unit of the centre and the sums.

@@ -18,8 +18,8 @@ _cgcontact_keys() {
     match($0, /^[ \t]*[A-Za-z_][A-Za-z_0-9]*[ \t]*=/) {
       key = $1; sub(/=.*/, "", key)
       if (section == "parameters") print key
-      if (section == "body" && key == "name" && split($0, part, "\"") > 1) {
-        body = "body." part[2]
+      if (section == "body" && key == "name" && split($0, token, "\"") > 1) {
+        body = "body." token[2]
         print body ".cell_size"; print body ".material.E"; print body ".material.nu"; print body ".grid.offset"
       }
     }' "$1" 2>/dev/null

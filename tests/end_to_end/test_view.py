@@ -296,6 +296,9 @@ class View(unittest.TestCase):
         opened = self.state()
         self.assertEqual(opened["zone"], 0)
         self.assertGreater(self.colours(), 300)
+        self.choose("field", "gap")  # opens the bodies: their faces hide the contact
+        self.assertEqual(self.state()["field"], "gap")
+        self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#view-close .on[data-kind=face]")), 1)
         self.button("[data-kind=face]")
         self.assertEqual(self.state()["field"], "pressure")
         self.button("[data-factor='0']")

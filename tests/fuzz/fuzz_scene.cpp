@@ -13,8 +13,8 @@ namespace {
 
 using namespace cgcontact;
 
-constexpr double most_cells = 60;
-constexpr std::size_t most_surfaces = 16;
+constexpr double max_cells = 60;
+constexpr std::size_t max_surfaces = 16;
 
 std::vector<std::string> overrides_in(const std::string& text) {
   const std::string mark = "\n#set ";
@@ -29,9 +29,9 @@ std::vector<std::string> overrides_in(const std::string& text) {
 /// The body on a grid of its own: bounding box, no offset, no rotation.
 void place_on_grid(const BodySpec& body) {
   Vec3 min, max;
-  if (!body.solid.bounding_box(min, max) || body.solid.surfaces().size() > most_surfaces) return;
+  if (!body.solid.bounding_box(min, max) || body.solid.surfaces().size() > max_surfaces) return;
   const Vec3 cells = (max - min) / body.cell_size;
-  if (!((cells + Vec3::Constant(3)).prod() < most_cells)) return;
+  if (!((cells + Vec3::Constant(3)).prod() < max_cells)) return;
   Grid grid;
   grid.cell_size = body.cell_size;
   grid.origin = min - Vec3::Constant(0.5 * body.cell_size);
@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const Scene scene = parse_scene(text, "no_such_folder/fuzzed.toml", overrides_in(text));
     for (const LoadSpec& load : scene.loads) load.pressure(Vec3(0.1, 0.2, 0.3));
-    if (scene.late_reference) scene.reference_at(1e3);
+    if (scene.reference_of_force) scene.reference_at(1e3);
     for (const BodySpec& body : scene.bodies) place_on_grid(body);
   } catch (const InputError&) {
   }

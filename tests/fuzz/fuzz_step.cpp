@@ -20,7 +20,7 @@ using namespace cgcontact;
 
 constexpr double deflection = 0.01;  // of the solid's diagonal
 constexpr double mm = 1e-3;
-constexpr std::size_t most_triangles = 2000;
+constexpr std::size_t max_triangles = 2000;
 
 /// A file of this process, gone when it ends.
 struct InputFile {
@@ -51,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     for (const CadSolid& solid : read_cad(file.name, {})) {
       const auto [low, high] = solid.model.box();
-      if (solid.model.triangles(deflection * (high - low).norm()).triangles.size() > most_triangles) continue;
+      if (solid.model.triangles(deflection * (high - low).norm()).triangles.size() > max_triangles) continue;
       place_on_grid(solid.model);
     }
   } catch (const InputError&) {

@@ -13,7 +13,7 @@ namespace {
 
 using namespace cgcontact;
 
-constexpr std::size_t most_triangles = 64;
+constexpr std::size_t max_triangles = 64;
 
 void use(const TriangleSoup& soup) {
   TriangleSurface surface = make_surface(soup, name_faces(soup, "part", {}), default_crease_angle);
@@ -22,7 +22,7 @@ void use(const TriangleSoup& soup) {
   solid.bounding_box(min, max);
   solid.contains(0.5 * (min + max));
   const double size = (max - min).maxCoeff() / 2.1;
-  if (soup.triangles.size() > most_triangles || !(size > 0) || min.cwiseAbs().maxCoeff() > 1e8 * size) return;
+  if (soup.triangles.size() > max_triangles || !(size > 0) || min.cwiseAbs().maxCoeff() > 1e8 * size) return;
   Grid grid;
   grid.cell_size = size;
   grid.origin = min - Vec3::Constant(0.45 * size);

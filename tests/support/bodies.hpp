@@ -32,7 +32,7 @@ inline CutCells cut(const Solid& solid, const Grid& grid) { return make_cut_cell
 /// Cuts cells refined towards a point (global axes): no larger than `finest` cells of the grid there, growing by
 /// `slope`; distances across a quadtree do not count.
 inline CutCells cut_refined(const Solid& solid, const Grid& grid, const Vec3& point, double finest, double slope = 0.4,
-                            int most_levels = 12) {
+                            int max_levels = 12) {
   const Solid placed = in_grid(solid, grid);
   const Vec3 centre = grid.to_grid(point);
   const auto wanted = [&](const Vec3& low, const Vec3& high) {
@@ -40,16 +40,16 @@ inline CutCells cut_refined(const Solid& solid, const Grid& grid, const Vec3& po
     if (grid.is_quadtree()) away[grid.plane_strain] = 0;
     return std::max(finest, slope * away.norm());
   };
-  return make_cut_cells(placed, grid, {}, {}, refine_cells(placed.geometry(), grid, wanted, most_levels));
+  return make_cut_cells(placed, grid, {}, {}, refine_cells(placed.geometry(), grid, wanted, max_levels));
 }
 
 /// Nodal values of a displacement field given in global axes, stored in grid axes.
 template <class Field>
 RealView nodal_field(const ElasticSystem& system, const Field& field) {
   RealView u("u", system.num_dofs());
-  for (const BodyMesh* part : system.parts())
-    for (int n = 0; n < part->num_nodes; ++n) {
-      const BodyMesh& mesh = *part;
+  for (const BodyMesh* level : system.level_meshes())
+    for (int n = 0; n < level->num_nodes; ++n) {
+      const BodyMesh& mesh = *level;
       const Grid& grid = mesh.cut_cells->grid;
       const Vec3 value = grid.rotation.transpose() * field(grid.to_global(mesh.node_position(n)));
       for (int i = 0; i < 3; ++i) u(dof_of(mesh.first_node + n, i)) = value[i];

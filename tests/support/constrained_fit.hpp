@@ -1,6 +1,6 @@
 /// The constrained least-squares fit of one patch: min |M-weighted a - a0| subject to C a = Lambda (paper, equation 3
 /// and, with the auxiliary patch, equation 13), by whitening and a truncated pseudo-inverse instead of the KKT matrix.
-/// The plain twin of recovery/batched/batched_fit.hpp.
+/// The plain reference of recovery/batched/batched_fit.hpp.
 #pragma once
 
 #include <vector>

@@ -59,7 +59,7 @@ inline RealView difference(const RealView& a, const RealView& b) {
   return d;
 }
 
-/// Expects the fast operator to have the products of its plain twin and of the assembled matrix, up to so many
+/// Expects the fast operator to have the products of its plain reference and of the assembled matrix, up to so many
 /// roundings.
 inline void expect_same_products(const ElasticSystem& system, double roundings) {
   const double tolerance = roundings * 2.2e-16;

@@ -122,24 +122,24 @@ class Ellipsoid final : public BodyGeometry {
                        BoundaryPoints& points) const override {
     add_points(cell, selected, owner, points);
   }
-  CellEstimate estimate_cells(const Grid& grid, double most_cells) const override {
-    return estimate_by_coarse_cells(*this, grid, most_cells);
+  CellEstimate estimate_cells(const Grid& grid, double max_cells) const override {
+    return estimate_by_coarse_cells(*this, grid, max_cells);
   }
 
  private:
-  static constexpr int parts = 8;  ///< of a cell, per direction
+  static constexpr int divisions = 8;  ///< of a cell, per direction
 
   /// Calls use(x, weight) for lines along an axis through a cell: where they enter it, area across.
   template <class Use>
   static void each_line(const Index3& cell, int axis, const Use& use) {
     const GaussRule& rule = gauss_rule(2);
     const int s = (axis + 1) % 3, t = (axis + 2) % 3;
-    for (int n = 0; n < 4 * parts * parts; ++n) {
-      const int i = n % (2 * parts), j = n / (2 * parts);
+    for (int n = 0; n < 4 * divisions * divisions; ++n) {
+      const int i = n % (2 * divisions), j = n / (2 * divisions);
       Vec3 x(cell[0], cell[1], cell[2]);
-      x[s] += (i / 2 + rule.node[i % 2]) / parts;
-      x[t] += (j / 2 + rule.node[j % 2]) / parts;
-      use(x, rule.weight[i % 2] * rule.weight[j % 2] / (parts * parts));
+      x[s] += (i / 2 + rule.node[i % 2]) / divisions;
+      x[t] += (j / 2 + rule.node[j % 2]) / divisions;
+      use(x, rule.weight[i % 2] * rule.weight[j % 2] / (divisions * divisions));
     }
   }
 

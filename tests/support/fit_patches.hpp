@@ -22,13 +22,13 @@ struct Generator {
 
 /// What a random patch may look like; the defaults are well-behaved.
 struct Shape {
-  int faces = 1;              ///< their normals are orthogonal: face, edge, corner
-  bool opposite = false;      ///< the second face is opposite to the first: a thin wall
-  bool redundant = false;     ///< some rows twice
-  bool slivers = false;       ///< bare slivers among the patches
-  double least_fraction = 1;  ///< cut fractions down to this, logarithmically
-  double cell_ratio = 1;      ///< cell size of the first body over that of the second
-  double data_ratio = 1;      ///< stress level of the second body over that of the first
+  int faces = 1;            ///< their normals are orthogonal: face, edge, corner
+  bool opposite = false;    ///< the second face is opposite to the first: a thin wall
+  bool redundant = false;   ///< some rows twice
+  bool slivers = false;     ///< bare slivers among the patches
+  double min_fraction = 1;  ///< cut fractions down to this, logarithmically
+  double cell_ratio = 1;    ///< cell size of the first body over that of the second
+  double data_ratio = 1;    ///< stress level of the second body over that of the first
   double poisson_ratio = 0.3;
 };
 
@@ -85,7 +85,7 @@ struct DenseFit {
         for (int c = 0; c < 6; ++c)
           for (int t = 0; t < T; ++t)
             C(bodies * ni + r, (b * 6 + c) * T + t) =
-                p.rows[r].weight[b][c] * term(t, Eigen::Map<const Eigen::Vector3d>(p.rows[r].place[b]));
+                p.rows[r].weight[b][c] * term(t, Eigen::Map<const Eigen::Vector3d>(p.rows[r].position[b]));
       values[bodies * ni + r] = p.rows[r].value;
     }
   }
@@ -121,8 +121,8 @@ void random_mass(const Shape& shape, Generator& g, double* packed) {
     if (!corner && (bare || (shape.slivers && g.integer(0, 3) == 0))) continue;
     double low[3], size[3] = {1, 1, 1};
     for (int i = 0, c = cell; i < 3; ++i, c /= layers) low[i] = c % layers - 0.5 * layers;
-    if (shape.least_fraction < 1 && (bare || (!corner && g.integer(0, 1) == 0)))
-      size[g.integer(0, 2)] = std::pow(shape.least_fraction, g.uniform(0, 1));
+    if (shape.min_fraction < 1 && (bare || (!corner && g.integer(0, 1) == 0)))
+      size[g.integer(0, 2)] = std::pow(shape.min_fraction, g.uniform(0, 1));
     for (int q = 0; q < 64; ++q) {
       const int i[3] = {q % 4, q / 4 % 4, q / 16};
       double d[3], p[T], weight = 1;
@@ -169,15 +169,15 @@ FitProblem<degree, bodies> make_problem(const Shape& shape, Generator& g) {
       const bool contact = bodies == 2 && f == 0;
       for (int b = 0; b < (contact ? 2 : 1); ++b)
         for (int k = 0; k < 3; ++k) {
-          if (contact && b == 1 && k == 0) continue;  // part of the first body's row
+          if (contact && b == 1 && k == 0) continue;  // in the first body's row
           FitRow<bodies> row{};
           traction_weight(e.col(0).data(), e.col(k).data(), row.weight[b]);
-          for (int i = 0; i < 3; ++i) row.place[b][i] = d[i] * (b == 1 ? shape.cell_ratio : 1);
+          for (int i = 0; i < 3; ++i) row.position[b][i] = d[i] * (b == 1 ? shape.cell_ratio : 1);
           row.value = data[b] * g.normal();
           if (contact && k == 0) {
             traction_weight(e.col(0).data(), e.col(0).data(), row.weight[bodies - 1]);
             for (double& w : row.weight[bodies - 1]) w = -w;
-            for (int i = 0; i < 3; ++i) row.place[bodies - 1][i] = d[i] * shape.cell_ratio;
+            for (int i = 0; i < 3; ++i) row.position[bodies - 1][i] = d[i] * shape.cell_ratio;
             row.value = 0;
           }
           p.rows.push_back(row);

@@ -21,8 +21,9 @@ std::string message_of(const Call& call) {
   return "";
 }
 
-inline void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
+inline void expect_contains(const std::string& text, const std::vector<std::string>& phrases) {
+  for (const std::string& phrase : phrases)
+    EXPECT_NE(text.find(phrase), std::string::npos) << phrase << "\n  in: " << text;
 }
 
 }  // namespace cgcontact

@@ -24,7 +24,7 @@ inline std::unique_ptr<SolvedScene> run(Scene scene) {
   return solved;
 }
 
-/// Of the repository, path from its root.
+/// Solves a scene of the repository; path from its root.
 inline std::unique_ptr<SolvedScene> run_scene(const std::string& name, const std::vector<std::string>& overrides = {}) {
   return run(read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/" + name, overrides));
 }
@@ -35,7 +35,7 @@ inline const std::vector<std::string> tight{"solver.tolerance=1e-13", "solver.li
 /// The same where supports and contact carry nothing: rounding is then all that the outer iteration has to converge to.
 inline const std::vector<std::string> tight_without_forces{"solver.tolerance=1e-8", "solver.linear_tolerance=1e-15"};
 
-/// Of a text.
+/// Solves a scene given as text.
 inline std::unique_ptr<SolvedScene> run_text(const std::string& text,
                                              const std::vector<std::string>& overrides = tight) {
   return run(parse_scene(text, "scene.toml", overrides));

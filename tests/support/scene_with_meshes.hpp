@@ -1,4 +1,4 @@
-/// Scenes of the repository with bodies from mesh files in the place of CSG bodies.
+/// Scenes of the repository with bodies from mesh files instead of CSG bodies.
 #pragma once
 
 #include <gtest/gtest.h>

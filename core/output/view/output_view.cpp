@@ -25,8 +25,8 @@ using Json = nlohmann::json;
 
 /// Bytes before base64 with pictures_beside_view: with these, and the library, some 1 MB, a page stays below 5 MB.
 constexpr double bytes_for_boundaries = 1.0e6, bytes_for_insides = 0.5e6;
-/// Bytes of a triangle: corners, stress error, status; of a point: place, displacement, stress. A closed boundary has
-/// half as many points as triangles.
+/// Bytes of a triangle: corners, stress error, status; of a point: position, displacement, stress. A closed boundary
+/// has half as many points as triangles.
 constexpr double bytes_of_triangle = 6.5, bytes_of_point = 24, bytes_of_fields = 18, points_by_triangle = 0.5;
 /// Bytes of a cell or block inside: corners, stress error, status, and the values at about one corner.
 constexpr double bytes_of_block = 12 + bytes_of_point;
@@ -96,9 +96,9 @@ struct Group {
 /// Boundary of one body as the page gets it.
 class BodyBoundary {
  public:
-  BodyBoundary(const ViewParts& parts, std::size_t body, std::vector<ThinTriangle> triangles,
+  BodyBoundary(const ViewInput& input, std::size_t body, std::vector<ThinTriangle> triangles,
                const std::vector<int>& contact_triangles)
-      : parts_(parts), body_(body), drawn_(parts.drawn[body]), triangles_(std::move(triangles)) {
+      : input_(input), body_(body), drawn_(input.drawn[body]), triangles_(std::move(triangles)) {
     sort(contact_triangles);
     number_points(contact_triangles);
   }
@@ -122,7 +122,7 @@ class BodyBoundary {
     if (!values.displacement.empty())
       json["displacement"] =
           packed_rows(points_.size(), 3, [&](std::size_t i) { return values.displacement[points_[i]]; });
-    if (!values.stress.empty() && !parts_.results.bodies[body_].rigid)
+    if (!values.stress.empty() && !input_.results.bodies[body_].rigid)
       json["stress"] = packed_rows(points_.size(), 6, [&](std::size_t i) { return values.stress[points_[i]]; });
     return json;
   }
@@ -131,10 +131,10 @@ class BodyBoundary {
   Group group_of(const ThinTriangle& triangle, const std::vector<int>& contact_triangles) const {
     Group group;
     group.surface = drawn_.mesh.boundary[triangle.source].surface;
-    if (parts_.faces) group.region = parts_.faces->region_of_triangle[body_][triangle.source];
+    if (input_.faces) group.region = input_.faces->region_of_triangle[body_][triangle.source];
     if (const int contact = contact_triangles[triangle.source]; contact >= 0) {
-      group.pair = parts_.surface.pair[contact];
-      group.closed = parts_.surface.active[contact] ? 1 + (parts_.surface.slips[contact] ? 1 : 0) : 0;
+      group.pair = input_.surface.pair[contact];
+      group.closed = input_.surface.active[contact] ? 1 + (input_.surface.slips[contact] ? 1 : 0) : 0;
     }
     return group;
   }
@@ -155,7 +155,7 @@ class BodyBoundary {
     std::vector<int> contact_of(drawn_.position.size(), -1);
     for (std::size_t i = 0; i < contact_triangles.size(); ++i)
       for (int v = 0; v < 3 && contact_triangles[i] >= 0; ++v)
-        contact_of[drawn_.mesh.boundary[i].points[v]] = parts_.surface.triangles[contact_triangles[i]][v];
+        contact_of[drawn_.mesh.boundary[i].points[v]] = input_.surface.triangles[contact_triangles[i]][v];
     std::vector<int> number(drawn_.position.size(), -1);
     for (const ThinTriangle& triangle : triangles_)
       for (const int p : triangle.points) {
@@ -173,20 +173,20 @@ class BodyBoundary {
 
   Json contact() const {
     using Row = std::array<double, contact_columns>;
-    const std::size_t columns = has_friction(parts_.results) ? contact_columns : columns_without_friction;
-    const CutCells& cells = *parts_.results.bodies[body_].cut_cells;
-    ContactFit fit(parts_.results, static_cast<int>(body_));
+    const std::size_t columns = has_friction(input_.results) ? contact_columns : columns_without_friction;
+    const CutCells& cells = *input_.results.bodies[body_].cut_cells;
+    ContactFit fit(input_.results, static_cast<int>(body_));
     std::vector<Row> rows;
     for (std::size_t i = 0; i < contact_points_.size(); ++i) {
       const int p = points_[contact_points_[i]];
-      const auto& mean = parts_.surface.point_values[contact_numbers_[i]];
+      const auto& mean = input_.surface.point_values[contact_numbers_[i]];
       rows.push_back(
           {mean[ContactSurface::gap], mean[ContactSurface::pressure_sprc], mean[ContactSurface::pressure_error]});
       if (const auto values = fit.at(drawn_.position[p], cells.h(drawn_.mesh.cell_of_point[p])))
         rows.back() = {values->gap,   values->pressure, values->pressure_error,
                        values->shear, values->slip,     values->wear};
     }
-    place_largest(rows);
+    assign_largest(rows);
     Json json;
     json["points"] = pack_ascending(contact_points_);
     json["values"] = packed_rows(rows.size(), columns, [&](std::size_t i) { return rows[i]; });
@@ -195,11 +195,11 @@ class BodyBoundary {
 
   /// Fits are below the largest pressure: the point nearest to that of each pair gets it, so that it is the report's.
   /// On a quadtree nothing varies across: all points that differ in this only get it.
-  void place_largest(std::vector<std::array<double, contact_columns>>& rows) const {
-    const Grid& grid = parts_.results.bodies[body_].cut_cells->grid;
+  void assign_largest(std::vector<std::array<double, contact_columns>>& rows) const {
+    const Grid& grid = input_.results.bodies[body_].cut_cells->grid;
     constexpr double same = 1e-6;              // of a cell: rounding is far below
     std::map<int, const ContactRow*> largest;  // by pair
-    for (const ContactRow& row : parts_.results.contact_rows) {
+    for (const ContactRow& row : input_.results.contact_rows) {
       if (row.body != static_cast<int>(body_)) continue;
       const ContactRow*& most = largest[row.pair];
       if (!most || row.pressure_sprc > most->pressure_sprc) most = &row;
@@ -207,7 +207,7 @@ class BodyBoundary {
     for (const auto& [pair, row] : largest) {
       std::size_t nearest = 0;
       const auto distance = [&, x = row->x](std::size_t i) {
-        return (grid.in_layer(parts_.surface.position[contact_numbers_[i]]) - grid.in_layer(x)).norm();
+        return (grid.in_layer(input_.surface.position[contact_numbers_[i]]) - grid.in_layer(x)).norm();
       };
       for (std::size_t i = 1; i < rows.size(); ++i)
         if (distance(i) < distance(nearest)) nearest = i;
@@ -219,7 +219,7 @@ class BodyBoundary {
   }
 
   void add_cell_values(Json& json) const {
-    const BodyFields& fields = parts_.results.bodies[body_];
+    const BodyFields& fields = input_.results.bodies[body_];
     const auto cell = [&](const ThinTriangle& t) { return drawn_.mesh.boundary[t.source].cell; };
     if (!fields.error_of_cell.empty() && !fields.rigid) {
       std::vector<double> errors;
@@ -233,7 +233,7 @@ class BodyBoundary {
     }
   }
 
-  const ViewParts& parts_;
+  const ViewInput& input_;
   std::size_t body_;
   const DrawnBody& drawn_;
   std::vector<ThinTriangle> triangles_;
@@ -261,7 +261,7 @@ Json inside_of(const BodyFields& body, const std::vector<SceneBox>& zones, std::
   return json;
 }
 
-/// The largest values of the report with their places.
+/// The largest values of the report with their positions.
 Json extremes_of_body(const Extremes& most) {
   const auto one = [](const Extreme& extreme) { return Json{{"value", extreme.value}, {"at", json_of(extreme.at)}}; };
   Json json;
@@ -274,15 +274,15 @@ Json extremes_of_body(const Extremes& most) {
   return json;
 }
 
-Json faces_of(const ViewParts& parts) {
+Json faces_of(const ViewInput& input) {
   Json faces = Json::array();
-  if (!parts.faces) return faces;
-  for (std::size_t r = 0; r < parts.faces->regions.size(); ++r) {
-    const FaceRegion& region = parts.faces->regions[r];
+  if (!input.faces) return faces;
+  for (std::size_t r = 0; r < input.faces->regions.size(); ++r) {
+    const FaceRegion& region = input.faces->regions[r];
     faces.push_back({{"name", region.name},
                      {"role", role_name(region)},
-                     {"colour", hex(parts.faces->colours[r])},
-                     {"text", parts.scene ? conditions(*parts.scene, region) : ""},
+                     {"colour", hex(input.faces->colours[r])},
+                     {"text", input.scene ? conditions(*input.scene, region) : ""},
                      {"force", json_of(region.force)},
                      {"motion", json_of(prescribed(region))},
                      {"at", json_of(region.centroid)}});
@@ -291,24 +291,24 @@ Json faces_of(const ViewParts& parts) {
 }
 
 /// Planes of symmetry, each once: a point and the normal of the faces on it.
-Json symmetry_planes(const ViewParts& parts) {
+Json symmetry_planes(const ViewInput& input) {
   Json planes = Json::array();
-  if (!parts.faces) return planes;
+  if (!input.faces) return planes;
   std::vector<std::pair<Vec3, Vec3>> found;
   constexpr double same = 1e-6;  // of length 1, or of the size of the face: rounding is far below
-  for (std::size_t b = 0; b < parts.drawn.size(); ++b) {
-    const DrawnBody& body = parts.drawn[b];
+  for (std::size_t b = 0; b < input.drawn.size(); ++b) {
+    const DrawnBody& body = input.drawn[b];
     std::map<int, Vec3> normals;
     for (std::size_t i = 0; i < body.mesh.boundary.size(); ++i) {
       const auto& t = body.mesh.boundary[i].points;
-      const int region = parts.faces->region_of_triangle[b][i];
-      if (region < 0 || !parts.faces->regions[region].symmetry) continue;
+      const int region = input.faces->region_of_triangle[b][i];
+      if (region < 0 || !input.faces->regions[region].symmetry) continue;
       const Vec3& a = body.position[t[0]];
       normals.try_emplace(region, Vec3::Zero()).first->second +=
           (body.position[t[1]] - a).cross(body.position[t[2]] - a) / 2;
     }
     for (const auto& [region, sum] : normals) {
-      const FaceRegion& face = parts.faces->regions[region];
+      const FaceRegion& face = input.faces->regions[region];
       if (sum.norm() < (1 - same) * face.area) continue;  // not plane
       const Vec3 n = sum.normalized();
       const bool known = std::any_of(found.begin(), found.end(), [&](const auto& plane) {
@@ -359,7 +359,7 @@ std::string palette() {
 }
 
 /// "(1.2, 0, 3) mm"
-std::string place_text(const Vec3& x) {
+std::string position_text(const Vec3& x) {
   const double size = x.cwiseAbs().maxCoeff();
   const DisplayUnit unit = length_unit(size);
   const auto number = [&](int k) { return short_number(std::abs(x[k]) <= 1e-9 * size ? 0 : x[k] * unit.factor); };
@@ -391,52 +391,52 @@ std::string harmless(const std::string& json) {
 }
 
 /// Writes the bodies and their steps; says how many triangles are drawn of how many.
-Json bodies_of(const ViewParts& parts, const std::vector<SceneBox>& zones, Json& steps, std::string& left_out) {
-  const double fields = bytes_of_point + bytes_of_fields * static_cast<double>(parts.steps.size());
+Json bodies_of(const ViewInput& input, const std::vector<SceneBox>& zones, Json& steps, std::string& left_out) {
+  const double fields = bytes_of_point + bytes_of_fields * static_cast<double>(input.steps.size());
   const double most = bytes_for_boundaries / (bytes_of_triangle + points_by_triangle * fields);
-  std::vector<std::vector<ThinTriangle>> thin = thin_boundaries(parts.drawn, zones, static_cast<std::size_t>(most));
+  std::vector<std::vector<ThinTriangle>> thin = thin_boundaries(input.drawn, zones, static_cast<std::size_t>(most));
   double cells = 0;
-  for (const BodyFields& body : parts.results.bodies) cells += static_cast<double>(body.cut_cells->cells.size());
-  ContactTriangles contact(parts.surface);
+  for (const BodyFields& body : input.results.bodies) cells += static_cast<double>(body.cut_cells->cells.size());
+  ContactTriangles contact(input.surface);
   Json bodies = Json::array();
   std::size_t drawn = 0, all = 0;
   int largest_block = 1;
-  for (std::size_t b = 0; b < parts.drawn.size(); ++b) {
-    const BodyFields& body = parts.results.bodies[b];
+  for (std::size_t b = 0; b < input.drawn.size(); ++b) {
+    const BodyFields& body = input.results.bodies[b];
     drawn += thin[b].size();
-    all += parts.drawn[b].mesh.boundary.size();
-    const BodyBoundary boundary(parts, b, std::move(thin[b]), contact.of_body(b, parts.drawn[b]));
+    all += input.drawn[b].mesh.boundary.size();
+    const BodyBoundary boundary(input, b, std::move(thin[b]), contact.of_body(b, input.drawn[b]));
     Json json = boundary.json();
     json["name"] = body.name;
     json["colour"] = hex(colour_of_body(b));
     const double share = static_cast<double>(body.cut_cells->cells.size()) / cells;
     json["inside"] =
         inside_of(body, zones, static_cast<std::size_t>(share * bytes_for_insides / bytes_of_block), largest_block);
-    if (b < parts.results.extremes.size()) json["extremes"] = extremes_of_body(parts.results.extremes[b].body);
-    for (std::size_t k = 0; k < parts.steps.size(); ++k)
-      steps[k]["bodies"].push_back(boundary.fields(parts.steps[k].bodies[b]));
+    if (b < input.results.extremes.size()) json["extremes"] = extremes_of_body(input.results.extremes[b].body);
+    for (std::size_t k = 0; k < input.steps.size(); ++k)
+      steps[k]["bodies"].push_back(boundary.fields(input.steps[k].bodies[b]));
     bodies.push_back(json);
   }
   left_out = note_on_size(drawn, all, largest_block);
-  if (axis_of_revolution(parts.results) >= 0)
+  if (axis_of_revolution(input.results) >= 0)
     left_out += "Bodies of revolution are their section turned by 270°; r is the distance from the axis. ";
   return bodies;
 }
 
 }  // namespace
 
-ViewData view_data(const ViewParts& parts) {
-  const Results& results = parts.results;
+ViewData view_data(const ViewInput& input) {
+  const Results& results = input.results;
   ViewData view;
-  if (parts.drawn.empty()) return view;
-  const SceneView look = direction_to_scene(results, parts.drawn);
+  if (input.drawn.empty()) return view;
+  const SceneView look = direction_to_scene(results, input.drawn);
   Json json;
   json["steps"] = Json::array();
-  for (const ViewStep& step : parts.steps) json["steps"].push_back({{"number", step.number + 1}});
-  json["bodies"] = bodies_of(parts, zones_of(results), json["steps"], view.left_out);
-  json["faces"] = faces_of(parts);
+  for (const ViewStep& step : input.steps) json["steps"].push_back({{"number", step.number + 1}});
+  json["bodies"] = bodies_of(input, zones_of(results), json["steps"], view.left_out);
+  json["faces"] = faces_of(input);
   json["pairs"] = pairs_of(results);
-  json["symmetry"] = symmetry_planes(parts);
+  json["symmetry"] = symmetry_planes(input);
   json["palette"] = palette();
   json["eye"] = json_of(look.camera.eye);
   json["up"] = json_of(look.camera.up);
@@ -456,18 +456,18 @@ std::string result_in_words(const Results& results) {
   if (const int s = body_with_largest(results.extremes, &Extremes::von_mises); s >= 0) {
     const Extreme& most = results.extremes[s].body.von_mises;
     add(fmt::format("largest von Mises stress {} in {} at {}", scaled(most.value, "Pa"), results.bodies[s].name,
-                    place_text(most.at)));
+                    position_text(most.at)));
   }
   if (const int u = body_with_largest(results.extremes, &Extremes::displacement); u >= 0) {
     const Extreme& most = results.extremes[u].body.displacement;
     const DisplayUnit unit = length_unit(most.value);
     add(fmt::format("largest displacement {} {} in {} at {}", short_number(most.value * unit.factor), unit.name,
-                    results.bodies[u].name, place_text(most.at)));
+                    results.bodies[u].name, position_text(most.at)));
   }
   for (const PairFigures& pair : results.pairs)
     if (pair.max_pressure > 0)
       add(fmt::format("largest contact pressure of {} {} at {}", pair.name, scaled(pair.max_pressure, "Pa"),
-                      place_text(pair.max_pressure_at)));
+                      position_text(pair.max_pressure_at)));
   return text;
 }
 

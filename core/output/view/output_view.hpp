@@ -17,8 +17,8 @@ struct ViewStep {
   std::vector<PointValues> bodies;  ///< by body
 };
 
-/// Parts that the view is made of. The drawn bodies have the fields of the last step.
-struct ViewParts {
+/// Input of the view. The drawn bodies have the fields of the last step.
+struct ViewInput {
   const Results& results;
   const std::vector<DrawnBody>& drawn;
   const ContactSurface& surface;
@@ -29,7 +29,7 @@ struct ViewParts {
 
 /// Writes them as JSON; the format is that of view_data.js. Boundaries that are too large for a page lose triangles
 /// away from the contact, the inside is cells joined to blocks where there are too many.
-ViewData view_data(const ViewParts& parts);
+ViewData view_data(const ViewInput& input);
 
 /// Says the largest values and where they are, for those who do not see the pictures.
 std::string result_in_words(const Results& results);

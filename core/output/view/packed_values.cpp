@@ -25,10 +25,10 @@ PackedValues pack_values(const std::vector<double>& rows, std::size_t columns) {
   std::string bytes(2 * rows.size(), '\0');
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double step = packed.step[i % columns];
-    const double place = step > 0 ? (rows[i] - packed.low[i % columns]) / step : 0;
+    const double quotient = step > 0 ? (rows[i] - packed.low[i % columns]) / step : 0;
     const std::uint16_t number =
         std::isfinite(rows[i])
-            ? static_cast<std::uint16_t>(std::clamp(std::lround(place), 0L, static_cast<long>(packed_steps)))
+            ? static_cast<std::uint16_t>(std::clamp(std::lround(quotient), 0L, static_cast<long>(packed_steps)))
             : packed_none;
     bytes[2 * i] = static_cast<char>(number & 0xff);
     bytes[2 * i + 1] = static_cast<char>(number >> 8);

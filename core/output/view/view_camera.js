@@ -23,15 +23,15 @@ const otherUp = (up) => (Math.abs(up.y) < 0.9 ? new THREE.Vector3(0, -1, 0) : ne
 const sceneUp = () => (data.flat === 2 ? new THREE.Vector3(0, 1, 0) : new THREE.Vector3(0, 0, 1));
 
 /* Half of the picture's height that bodies need, seen from a direction. */
-function sizeFrom(direction, parts) {
+function sizeFrom(direction, seen) {
   const eye = direction.clone().normalize(), up = sceneUp();
   const right = new THREE.Vector3().crossVectors(up, eye);
   if (right.length() < 1e-3) right.crossVectors(otherUp(up), eye);
   right.normalize();
   const top = new THREE.Vector3().crossVectors(eye, right);
   let wide = 0, high = 0;
-  const centre = centreOf(parts);
-  eachCorner(parts, (x) => {
+  const centre = centreOf(seen);
+  eachCorner(seen, (x) => {
     x.sub(centre);
     wide = Math.max(wide, Math.abs(x.dot(right)));
     high = Math.max(high, Math.abs(x.dot(top)));
@@ -39,16 +39,16 @@ function sizeFrom(direction, parts) {
   return {centre, size: Math.max(high, wide / aspect(), 1e-9) * baseZoom()};
 }
 
-function eachCorner(parts, use) {
-  parts.forEach((body) => state.copies.forEach((copy) => {
+function eachCorner(seen, use) {
+  seen.forEach((body) => state.copies.forEach((copy) => {
     for (let p = 0; p < body.X.length / 3; p += Math.max(1, Math.floor(body.X.length / 60000)))
       use(movedPoint(body, p).applyMatrix4(copy));
   }));
 }
 
-function centreOf(parts) {
+function centreOf(seen) {
   const box = new THREE.Box3();
-  eachCorner(parts, (x) => box.expandByPoint(x));
+  eachCorner(seen, (x) => box.expandByPoint(x));
   return box.getCenter(new THREE.Vector3());
 }
 
@@ -121,7 +121,7 @@ function showZone(index) {
   } else {
     const axis = reached >= 0 ? reached : Math.abs(eye[across[0]]) > Math.abs(eye[across[1]]) ? across[0] : across[1];
     const side = eye[axis] < 0 ? -1 : 1;
-    setSection(reached >= 0 ? null : {axis, place: zoneCentre(zone)[axis], side});
+    setSection(reached >= 0 ? null : {axis, coordinate: zoneCentre(zone)[axis], side});
     const direction = eye.map((e, k) => (k === axis ? side : 0.35 * Math.sign(e || 1)));
     look(centre, new THREE.Vector3(...direction), size);
   }
@@ -129,28 +129,28 @@ function showZone(index) {
 }
 
 /* The face of the first body alone, seen from outside. */
-function showFace(index) {
+function showFace(index, id = "pressure") {
   const pair = data.pairs[index], zone = pair.zone, normal = zone.normal.some((n) => n) ? zone.normal : data.eye;
   setSection(null);
   showBodies((body) => body.name === pair.bodies[0]);
   const {centre, direction, size} = revolved ? lookAtRing(zone, normal) :
                                                {centre: zoneCentre(zone), direction: normal, size: zoneSize(zone)};
   look(toView(centre), new THREE.Vector3(...direction), Math.max(1.15 * size, 1e-6));
-  setField("pressure");
+  setField(id);
   afterZone(index, "face");
 }
 
-/* Finds the look at a zone all round, of a narrow one at a part: opposite the open quarter, so bores are seen too. */
+/* Finds the look at a zone all round, of a narrow one at a sector: opposite the open quarter, so bores are seen too. */
 function lookAtRing(zone, normal) {
   const {axis, radial, turns} = revolved, opposite = turns[turns.length >> 1], ring = zone.high[radial] / radius;
-  const part = {
+  const narrow = {
     centre: turnedVector(zoneCentre(zone), opposite),
     direction: turnedVector(normal, opposite),
     size: zoneSize(zone)
   };
-  if (part.size < SMALL_ZONE * ring || find("half").checked) return part;
+  if (narrow.size < SMALL_ZONE * ring || find("half").checked) return narrow;
   const size = Math.hypot(ring, (zone.high[axis] - zone.low[axis]) / 2 / radius);
-  return {...part, centre: part.centre.map((c, k) => (k === axis ? c : 0)), size};
+  return {...narrow, centre: narrow.centre.map((c, k) => (k === axis ? c : 0)), size};
 }
 
 function afterZone(index, kind) {
@@ -183,25 +183,25 @@ function showBodies(keep) {
 function eachSeen(use) {
   const {min, max} = extremes();
   const x = new THREE.Vector3();
-  const take = (places, moves, value, i, body, copy, clipped) => {
+  const take = (positions, moves, value, i, body, copy, clipped) => {
     if (value > 0.9 * NOTHING) return;
     if (clipped) {
-      x.set(places[3 * i], places[3 * i + 1], places[3 * i + 2]).applyMatrix4(copy);
+      x.set(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]).applyMatrix4(copy);
       const plane = shared.plane.value;
       if (plane.x * x.x + plane.y * x.y + plane.z * x.z > plane.w) return;
     }
     x.set(
-         places[3 * i] + state.factor * moves[3 * i] + body.shift.x,
-         places[3 * i + 1] + state.factor * moves[3 * i + 1] + body.shift.y,
-         places[3 * i + 2] + state.factor * moves[3 * i + 2] + body.shift.z)
+         positions[3 * i] + state.factor * moves[3 * i] + body.shift.x,
+         positions[3 * i + 1] + state.factor * moves[3 * i + 1] + body.shift.y,
+         positions[3 * i + 2] + state.factor * moves[3 * i + 2] + body.shift.z)
         .applyMatrix4(copy);
     x.project(camera);
     use(value, Math.abs(x.x) <= 1 && Math.abs(x.y) <= 1);
   };
   seenBodies().forEach((body) => state.copies.forEach((copy) => {
-    const places = body.geometry.attributes.position.array, moves = body.geometry.attributes.moved.array;
+    const positions = body.geometry.attributes.position.array, moves = body.geometry.attributes.moved.array;
     const values = body.geometry.attributes.value.array;
-    for (let i = 0; i < values.length; ++i) take(places, moves, values[i], i, body, copy, Boolean(state.section));
+    for (let i = 0; i < values.length; ++i) take(positions, moves, values[i], i, body, copy, Boolean(state.section));
     body.caps.filter((cap) => cap.copy === copy).forEach((cap) => {
       for (let i = 0; i < cap.values.length; ++i)
         if (min && cap.values[i] >= min.value && cap.values[i] <= max.value)

@@ -20,6 +20,16 @@ function setField(id) {
     wholeRange();
 }
 
+/* Sets a field that the reader chose; one of the contact opens the bodies, whose faces hide it else. */
+function chooseField(id) {
+  const field = fields.find((f) => f.id === id);
+  const zone = state.zone >= 0 ? state.zone : data.pairs.findIndex((pair) => pair.zone);
+  if (field.needs === "contact" && zone >= 0 && !document.querySelector("#view-close .on[data-kind=face]"))
+    showFace(zone, id);
+  else
+    setField(id);
+}
+
 /* New values of the field: another field, another step. */
 function refresh() {
   state.extremes = null;
@@ -33,18 +43,18 @@ function refresh() {
 }
 
 function setSection(section) {
-  if (section && Math.abs(section.place) < ROUNDING * extent[section.axis]) section.place = 0;
+  if (section && Math.abs(section.coordinate) < ROUNDING * extent[section.axis]) section.coordinate = 0;
   state.section = section;
   shared.clipped.value = section ? 1 : 0;
   find("axis").value = section ? String(section.axis) : "";
   find("place").disabled = find("flip").disabled = !section;
   if (section) {
-    const n = [0, 0, 0], place = (section.place - middle[section.axis]) / radius;
+    const n = [0, 0, 0], distance = (section.coordinate - middle[section.axis]) / radius;
     n[section.axis] = section.side;
-    shared.plane.value.set(...n, section.side * place - (revolved ? BESIDE_PLANE : 0));
-    find("place").value = (1000 * (section.place - bounds.low[section.axis])) / extent[section.axis];
+    shared.plane.value.set(...n, section.side * distance - (revolved ? BESIDE_PLANE : 0));
+    find("place").value = (1000 * (section.coordinate - bounds.low[section.axis])) / extent[section.axis];
     find("flip").checked = section.side < 0;
-    find("section-name").textContent = `${"xyz"[section.axis]} = ${shown(section.place, "m", placeDigits())}`;
+    find("section-name").textContent = `${"xyz"[section.axis]} = ${shown(section.coordinate, "m", positionDigits())}`;
   } else
     find("section-name").textContent = "";
   build();
@@ -56,7 +66,7 @@ function readSection() {
   const k = Number(axis), same = state.section && state.section.axis === k;
   const side = state.section && same ? (find("flip").checked ? -1 : 1) : Math.sign(firstEye()[k]) || 1;
   const fraction = same ? Number(find("place").value) / 1000 : 0.5;
-  setSection({axis: k, place: bounds.low[k] + fraction * extent[k], side});
+  setSection({axis: k, coordinate: bounds.low[k] + fraction * extent[k], side});
 }
 
 function setFactor(factor) {
@@ -244,7 +254,7 @@ function fillControls() {
 
 function listen() {
   const on = (id, event, use) => find(id).addEventListener(event, use);
-  on("field", "change", () => setField(find("field").value));
+  on("field", "change", () => chooseField(find("field").value));
   on("from", "change", readRange);
   on("to", "change", readRange);
   on("fit", "click", fitRange);
@@ -417,9 +427,9 @@ function boxOfBodies() {
   return [box.min, box.max].map((x) => x.toArray().map((c, k) => c * radius + middle[k]));
 }
 
-/* For tests and for the curious: where a place (m) of a body is in the picture, and what is seen. */
+/* For tests and for the curious: where a position (m) of a body is in the picture, and what is seen. */
 window.cgcontactView = {
-  project: (body, place) => toScreen(drawnPlace(bodies.find((b) => b.name === body), place).x),
+  project: (body, position) => toScreen(drawnPosition(bodies.find((b) => b.name === body), position).x),
   picked: () => state.picked,
   state: () => ({
     field: state.field.id,

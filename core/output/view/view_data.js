@@ -12,12 +12,12 @@ const BESIDE = 0.05;               // of its extent: a zone so near to a side of
 const BEHIND = 0.01;               // of half the scene's diagonal: a point so far behind what is drawn is not seen
 const ROUNDING = 1e-7;             // of what is largest: less is shown as 0
 const ALIKE = 1e-4;                // of the larger one: values that differ by less are one colour
-const SAME_PLANE = 1e-4;           // of half the scene's diagonal: places are rounded
+const SAME_PLANE = 1e-4;           // of half the scene's diagonal: positions are rounded
 const MOST_MIRRORS = 4;            // planes of symmetry: each doubles what is drawn
 const LONGEST_LABEL = 60;          // letters
 const REST = 150;                  // ms without change, until what takes time is told anew
 const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
-const BESIDE_PLANE = 5e-7;         // part of half the scene's diagonal: cuts off the open planes that lie in a section
+const BESIDE_PLANE = 5e-7;         // fraction of half the diagonal: cuts off the open planes that lie in a section
 
 // ---- Unpacking ----
 
@@ -73,7 +73,7 @@ const bounds = {
 function readBody(packed, index) {
   const body =
       {index: index, name: packed.name, colour: packed.colour, visible: true, extremes: packed.extremes || {}};
-  body.place = unpack(packed.position);
+  body.position = unpack(packed.position);
   body.displacement = unpack(packed.displacement);
   body.stress = unpack(packed.stress);
   body.read = {corners: unpackCorners(packed.triangles), error: unpack(packed.error)};
@@ -81,9 +81,9 @@ function readBody(packed, index) {
   readGroups(packed, body.read);
   readContact(packed, body);
   body.inside = readInside(packed.inside);
-  for (let i = 0; i < body.place.length; ++i) {
-    bounds.low[i % 3] = Math.min(bounds.low[i % 3], body.place[i]);
-    bounds.high[i % 3] = Math.max(bounds.high[i % 3], body.place[i]);
+  for (let i = 0; i < body.position.length; ++i) {
+    bounds.low[i % 3] = Math.min(bounds.low[i % 3], body.position[i]);
+    bounds.high[i % 3] = Math.max(bounds.high[i % 3], body.position[i]);
   }
   return body;
 }
@@ -120,7 +120,7 @@ function readContact(packed, body) {
 }
 
 function readInside(packed) {
-  const inside = {place: unpack(packed.position), displacement: unpack(packed.displacement)};
+  const inside = {position: unpack(packed.position), displacement: unpack(packed.displacement)};
   inside.stress = unpack(packed.stress);
   inside.read = {blocks: unpackCorners(packed.blocks), error: unpack(packed.error)};
   inside.read.status = packed.status ? bytesOf(packed.status) : null;
@@ -154,9 +154,9 @@ const lastStep = steps.length - 1;
 const toView = (x) =>
     new THREE.Vector3((x[0] - middle[0]) / radius, (x[1] - middle[1]) / radius, (x[2] - middle[2]) / radius);
 
-function scaledPlaces(places, moved) {
-  const scaled = new Float32Array(places.length);
-  for (let i = 0; i < scaled.length; ++i) scaled[i] = (places[i] - (moved ? 0 : middle[i % 3])) / radius || 0;
+function scaledPositions(positions, moved) {
+  const scaled = new Float32Array(positions.length);
+  for (let i = 0; i < scaled.length; ++i) scaled[i] = (positions[i] - (moved ? 0 : middle[i % 3])) / radius || 0;
   return scaled;
 }
 
@@ -174,11 +174,11 @@ function layOut(angle) {
     } else
       [body, inside].forEach((owner) => {
         Object.assign(owner, owner.read);
-        owner.from = Uint32Array.from({length: owner.place.length / 3}, (_, p) => p);
+        owner.from = Uint32Array.from({length: owner.position.length / 3}, (_, p) => p);
       });
     body.count = body.corners.length / 3;
     [body, inside].forEach((owner) => {
-      owner.X = scaledPlaces(drawn(owner.place, owner), false);
+      owner.X = scaledPositions(drawn(owner.position, owner), false);
       owner.U = drawnMoves(owner.displacement, owner);
     });
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
@@ -190,7 +190,7 @@ function layOut(angle) {
   });
 }
 
-/* Turns vectors of the points read (places, displacements) to where the points are drawn. */
+/* Turns vectors of the points read (positions, displacements) to where the points are drawn. */
 function drawn(vectors, owner) {
   if (!revolved) return vectors;
   const {axis, radial, across, turns} = revolved, turned = new Float64Array(3 * owner.from.length);
@@ -204,7 +204,7 @@ function drawn(vectors, owner) {
 }
 
 const drawnMoves = (displacement, owner) =>
-    displacement ? scaledPlaces(drawn(displacement, owner), true) : new Float32Array(3 * owner.from.length);
+    displacement ? scaledPositions(drawn(displacement, owner), true) : new Float32Array(3 * owner.from.length);
 
 bodies.forEach((body) => (body.shift = new THREE.Vector3()));
 layOut(SWEPT);
@@ -331,7 +331,7 @@ function cornerValues(body, field) {
   const values = new Float32Array(3 * body.count).fill(NOTHING);
   if (!isOfStep(field)) return values;
   if (field.at === "point" || field.at === "contact") {
-    const points = new Float32Array(body.place.length / 3);
+    const points = new Float32Array(body.position.length / 3);
     for (let p = 0; p < points.length; ++p) points[p] = pointValue(field, body, p);
     for (let t = 0; t < body.count; ++t) {
       if (field.at === "contact" && body.pair[t] < 0) continue;
@@ -373,16 +373,16 @@ function shown(value, kind, digits) {
   return short(value / factor, digits) + " " + name;
 }
 
-function placeText(x) {
+function positionText(x) {
   const size = Math.max(...bounds.low.map(Math.abs), ...bounds.high.map(Math.abs));
   const [factor, name] = unitFor("m", size);
   const told = revolved ? [x[revolved.radial], x[revolved.axis]] : x;
   return (revolved ? `(r, ${letters[revolved.axis]}) = (` : "(") +
-      told.map((c) => short(Math.abs(c) < 2e-5 * radius ? 0 : c / factor, placeDigits())).join(", ") + ") " + name;
+      told.map((c) => short(Math.abs(c) < 2e-5 * radius ? 0 : c / factor, positionDigits())).join(", ") + ") " + name;
 }
 
-/* As many digits as tell places in the scene apart, also far from the origin. */
-function placeDigits() {
+/* As many digits as tell positions in the scene apart, also far from the origin. */
+function positionDigits() {
   const size = Math.max(...bounds.low.map(Math.abs), ...bounds.high.map(Math.abs));
   return 5 + Math.max(0, Math.min(10, Math.floor(Math.log10(size / (2 * radius)))));
 }

@@ -8,10 +8,10 @@ const VERTEX = `
   uniform float factor;
   uniform vec3 shift;
   varying vec3 vNormal;
-  varying vec3 vPlace;
+  varying vec3 vPosition;
   varying float vValue;
   void main() {
-    vPlace = (modelMatrix * vec4(position, 1.0)).xyz;
+    vPosition = (modelMatrix * vec4(position, 1.0)).xyz;
     vNormal = normalMatrix * normal;
     vValue = value;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position + factor * moved + shift, 1.0);
@@ -23,19 +23,19 @@ const FRAGMENT = `
   uniform vec4 plane;
   uniform float clipped, bands, opacity, flatness, texels;
   varying vec3 vNormal;
-  varying vec3 vPlace;
+  varying vec3 vPosition;
   varying float vValue;
   vec3 colourOf(float value) {
     if (value > 0.9e30) return plain;
-    float place = (value - range.x) / (range.y - range.x);
-    if (place > 1.0005) return above;
-    if (place < -0.0005) return below;
-    place = clamp(place, 0.0, 1.0);
-    if (bands > 0.0) place = (min(floor(place * bands), bands - 1.0) + 0.5) / bands;
-    return texture2D(colours, vec2((place * (texels - 1.0) + 0.5) / texels, 0.5)).rgb;
+    float fraction = (value - range.x) / (range.y - range.x);
+    if (fraction > 1.0005) return above;
+    if (fraction < -0.0005) return below;
+    fraction = clamp(fraction, 0.0, 1.0);
+    if (bands > 0.0) fraction = (min(floor(fraction * bands), bands - 1.0) + 0.5) / bands;
+    return texture2D(colours, vec2((fraction * (texels - 1.0) + 0.5) / texels, 0.5)).rgb;
   }
   void main() {
-    if (clipped > 0.5 && dot(plane.xyz, vPlace) > plane.w) discard;
+    if (clipped > 0.5 && dot(plane.xyz, vPosition) > plane.w) discard;
     vec3 n = normalize(vNormal);
     float light = 0.74 + 0.22 * abs(n.z) + 0.04 * n.y;
     gl_FragColor = vec4(colourOf(vValue) * mix(light, 1.0, flatness), opacity);
@@ -44,9 +44,9 @@ const LINE_FRAGMENT = `
   uniform vec4 plane;
   uniform float clipped;
   uniform vec3 plain;
-  varying vec3 vPlace;
+  varying vec3 vPosition;
   void main() {
-    if (clipped > 0.5 && dot(plane.xyz, vPlace) > plane.w) discard;
+    if (clipped > 0.5 && dot(plane.xyz, vPosition) > plane.w) discard;
     gl_FragColor = vec4(plain, 0.55);
   }`;
 
@@ -181,7 +181,7 @@ function planeIn(copy) {
   const inverse = new THREE.Matrix4().getInverse(copy), origin = new THREE.Vector3().applyMatrix4(inverse);
   const point = n.clone().multiplyScalar(plane.w).applyMatrix4(inverse);
   const normal = n.clone().applyMatrix4(inverse).sub(origin);
-  return {normal, place: normal.dot(point)};
+  return {normal, distance: normal.dot(point)};
 }
 
 /* All meshes anew: bodies, copies, sections. */
@@ -251,17 +251,17 @@ const TETRAHEDRA = [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 
 
 /* Where a plane cuts the blocks of a body, with the field there. */
 function capOf(body, plane) {
-  const {X, U, blocks, place, from} = body.inside, n = plane.normal;
-  const heights = new Float32Array(X.length / 3), x = [], u = [], places = [], values = [];
+  const {X, U, blocks, position, from} = body.inside, n = plane.normal;
+  const heights = new Float32Array(X.length / 3), x = [], u = [], positions = [], values = [];
   for (let p = 0; p < heights.length; ++p)
-    heights[p] = n.x * X[3 * p] + n.y * X[3 * p + 1] + n.z * X[3 * p + 2] - plane.place;
+    heights[p] = n.x * X[3 * p] + n.y * X[3 * p + 1] + n.z * X[3 * p + 2] - plane.distance;
   const value = insideValues(body);
   const cut = (a, b, block) => {
     const t = heights[a] / (heights[a] - heights[b]), p = from[a], q = from[b];
     for (let i = 0; i < 3; ++i) {
       x.push((1 - t) * X[3 * a + i] + t * X[3 * b + i]);
       u.push((1 - t) * U[3 * a + i] + t * U[3 * b + i]);
-      places.push((1 - t) * place[3 * p + i] + t * place[3 * q + i]);
+      positions.push((1 - t) * position[3 * p + i] + t * position[3 * q + i]);
     }
     values.push(
         value.byPoint     ? (1 - t) * value.byPoint[p] + t * value.byPoint[q] :
@@ -288,7 +288,7 @@ function capOf(body, plane) {
   }
   const normals = new Float32Array(x.length);
   for (let i = 0; i < normals.length; i += 3) normals.set([n.x, n.y, n.z], i);
-  const cap = {x: new Float32Array(x), u: new Float32Array(u), values: new Float32Array(values), places};
+  const cap = {x: new Float32Array(x), u: new Float32Array(u), values: new Float32Array(values), positions};
   return {...cap, geometry: geometryOf(cap.x, cap.u, cap.values, normals)};
 }
 
@@ -300,7 +300,7 @@ function insideValues(body) {
   if (field.id === "status" && inside.status) return {byBlock: inside.status};
   if (field.at === "cell" && inside.error) return {byBlock: inside.error.map((v) => (isNaN(v) ? NOTHING : v))};
   if (field.at !== "point" || !inside[field.needs] || state.step !== lastStep) return {};
-  const byPoint = new Float32Array(inside.place.length / 3);
+  const byPoint = new Float32Array(inside.position.length / 3);
   for (let p = 0; p < byPoint.length; ++p) {
     const value = pointValue(field, inside, p);
     byPoint[p] = isNaN(value) ? NOTHING : value;
@@ -371,9 +371,9 @@ function addArrows() {
       const tip = movedPoint(face.spread.body, p),
             tail = tip.clone().addScaledVector(way, pulls(face, f, direction) ? 0 : -size);
       const arrow = new THREE.ArrowHelper(way, tail, size, colour, 0.35 * size, 0.2 * size);
-      arrow.traverse((part) => {
-        part.renderOrder = 30000;
-        if (part.material) Object.assign(part.material, {depthTest: false, transparent: true});
+      arrow.traverse((child) => {
+        child.renderOrder = 30000;
+        if (child.material) Object.assign(child.material, {depthTest: false, transparent: true});
       });
       arrows.add(arrow);
     });

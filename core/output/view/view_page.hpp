@@ -1,4 +1,4 @@
-/// The view's place on report.html: its controls, its style sheet, its script and the library that draws.
+/// The view's section of report.html: its controls, its style sheet, its script and the library that draws.
 #pragma once
 
 #include <cstddef>

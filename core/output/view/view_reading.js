@@ -29,10 +29,10 @@ function label(text, x, kind) {
   find("labels").appendChild(plate);
 }
 
-/* Where a place (m) of a body is drawn: moved with the nearest point that has a displacement. Those of the half-plane
-   lie on the boundary of what is swept. */
-function drawnPlace(body, place) {
-  const x = toView(place);
+/* Where a position (m) of a body is drawn: moved with the nearest point that has a displacement. Those of the
+   half-plane lie on the boundary of what is swept. */
+function drawnPosition(body, position) {
+  const x = toView(position);
   let least = Infinity, move = [0, 0, 0];
   [body, body.inside].forEach((owner) => {
     if (owner === body.inside && state.step !== lastStep) return;
@@ -75,8 +75,8 @@ function extremesOfField() {
       if (!told[kind] || (found[kind] && found[kind].body !== body))
         return void (
             told[kind] && better(kind, told[kind].value) &&
-            (found[kind] = {value: told[kind].value, body, place: told[kind].at}));
-      found[kind] = {value: told[kind].value, body, place: told[kind].at};  // exact where the boundary's is rounded
+            (found[kind] = {value: told[kind].value, body, position: told[kind].at}));
+      found[kind] = {value: told[kind].value, body, position: told[kind].at};  // exact where the boundary's is rounded
     });
   });
   return found;
@@ -103,9 +103,9 @@ function labelExtremes() {
   [["min", "smallest"], ["max", "largest"]].forEach(([kind, word]) => {
     const most = extremes()[kind];
     if (!most) return;
-    const at =
-        most.place ? drawnPlace(most.body, most.place) : {x: movedPoint(most.body, most.point), onBoundary: true};
-    const away = most.place ? isCutAway(toView(most.place)) :
+    const at = most.position ? drawnPosition(most.body, most.position) :
+                               {x: movedPoint(most.body, most.point), onBoundary: true};
+    const away = most.position ? isCutAway(toView(most.position)) :
                               isCutAway(new THREE.Vector3(...most.body.X.slice(3 * most.point, 3 * most.point + 3)));
     const rounding = ROUNDING * Math.max(Math.abs(state.low), Math.abs(state.high), state.largest);
     const value = Math.abs(most.value) < rounding ? 0 : most.value;
@@ -182,17 +182,17 @@ function drawColours() {
 function paintBar() {
   const bar = find("colours"), context = bar.getContext("2d"), bytes = bytesOf(data.palette);
   for (let y = 0; y < 256; ++y) {
-    let place = 255 - y;
+    let texel = 255 - y;
     if (shared.bands.value)
-      place = Math.round(((Math.floor((place / 256) * shared.bands.value) + 0.5) / shared.bands.value) * 255);
-    context.fillStyle = `rgb(${bytes[3 * place]}, ${bytes[3 * place + 1]}, ${bytes[3 * place + 2]})`;
+      texel = Math.round(((Math.floor((texel / 256) * shared.bands.value) + 0.5) / shared.bands.value) * 255);
+    context.fillStyle = `rgb(${bytes[3 * texel]}, ${bytes[3 * texel + 1]}, ${bytes[3 * texel + 2]})`;
     context.fillRect(0, y, 1, 1);
   }
 }
 
 // ---- Picking ----
 
-/* Where a ray meets triangles: use(distance, triangle, weights). Corners are those of places moved as drawn. */
+/* Where a ray meets triangles: use(distance, triangle, weights). Corners are those of positions moved as drawn. */
 function eachHit(origin, way, count, corner, use) {
   const a = [0, 0, 0], b = [0, 0, 0], c = [0, 0, 0], o = origin, d = way;
   for (let t = 0; t < count; ++t) {
@@ -225,17 +225,18 @@ function pickCopy(body, copy, ray) {
     crossings.push(far);
     const x = [0, 1, 2].map(
         (k) => weights.reduce((sum, w, v) => sum + w * body.X[3 * body.corners[3 * triangle + v] + k], 0));
-    if (plane && plane.normal.x * x[0] + plane.normal.y * x[1] + plane.normal.z * x[2] > plane.place) return;
+    if (plane && plane.normal.x * x[0] + plane.normal.y * x[1] + plane.normal.z * x[2] > plane.distance) return;
     const points = weights.map((w, v) => body.from[body.corners[3 * triangle + v]]);
-    const place = [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * body.place[3 * points[v] + k], 0));
-    hits.push({far, body, copy, triangle, weights, place, inside: triangle < body.cuts});
+    const position = [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * body.position[3 * points[v] + k], 0));
+    hits.push({far, body, copy, triangle, weights, position, inside: triangle < body.cuts});
   });
   body.caps.filter((cap) => cap.copy === copy).forEach((cap) => {
     eachHit(origin, way, cap.values.length / 3, mover(cap.x, cap.u, (i) => i), (far, triangle, weights) => {
       if (crossings.filter((c) => c > far).length % 2 === 0) return;  // outside of the body
       const first = 9 * triangle;
-      const place = [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * cap.places[first + 3 * v + k], 0));
-      hits.push({far, body, copy, cap, triangle, weights, place, inside: true});
+      const position =
+          [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * cap.positions[first + 3 * v + k], 0));
+      hits.push({far, body, copy, cap, triangle, weights, position, inside: true});
     });
   });
   return hits;
@@ -273,7 +274,7 @@ function valueAt(field, hit) {
 function readHit(hit) {
   const field = state.field, face = hit.cap ? null : data.faces[hit.body.face[hit.triangle]];
   const read =
-      {body: hit.body.name, face: face ? face.name : "", place: hit.place, inside: hit.inside, field: field.id};
+      {body: hit.body.name, face: face ? face.name : "", place: hit.position, inside: hit.inside, field: field.id};
   if (revolved) read.place[revolved.across] = 0;
   if (field.at === "kind") {
     const kind = kinds(field)[hit.cap ? hit.cap.values[3 * hit.triangle] : kindOf(field, hit.body, hit.triangle)];
@@ -313,7 +314,7 @@ function readAt(left, top) {
   strong.textContent = state.field.name + ": " + (value || "none");
   box.append(
       strong,
-      ` at ${placeText(read.place)} ` + (read.inside ? `inside ${read.body}` : `on ${read.face || read.body}`) +
+      ` at ${positionText(read.place)} ` + (read.inside ? `inside ${read.body}` : `on ${read.face || read.body}`) +
           (hit.copy === state.copies[0] ? "" : " (mirrored)") + moreValues(hit));
   ask();
 }

@@ -2,7 +2,7 @@
 
 const SWEPT = 1.5 * Math.PI;       // angle by which sections of bodies of revolution are turned: a quarter is open
 const SLICE = 0.02;                // angle where the half-plane alone is shown
-const CHORD = 1 / 2000;            // part of the radius from an arc to its chord: half a pixel of 2000 across the body
+const CHORD = 1 / 2000;            // of the radius, from an arc to its chord: half a pixel of 2000 across the body
 const MAX_TRIANGLES = 200000;      // number in all swept boundaries, unless so few sectors are too many:
 const MIN_SECTORS = 12;            // number of those of 22.5 degrees, which look round by their normals
 
@@ -31,9 +31,9 @@ function setTurns(angle) {
 /* Finds the triangles of the slab's side towards the viewer, and its rim: edges of the triangles that go across. */
 function findSection(body) {
   if (body.section) return;
-  const {corners} = body.read, {across, side} = revolved, height = (p) => side * body.place[3 * p + across];
+  const {corners} = body.read, {across, side} = revolved, height = (p) => side * body.position[3 * p + across];
   let low = Infinity, high = -Infinity;
-  for (let p = 0; p < body.place.length / 3; ++p) {
+  for (let p = 0; p < body.position.length / 3; ++p) {
     low = Math.min(low, height(p));
     high = Math.max(high, height(p));
   }
@@ -53,9 +53,9 @@ function findSection(body) {
 function sweepBoundary(body) {
   const {corners, surface} = body.read, {radial, turns} = revolved, last = turns.length - 1;
   const from = [], turn = [], drawnCorners = [], source = [], onAxis = ROUNDING * radius;
-  const numbers = new Int32Array((body.place.length / 3) * turns.length).fill(-1);
+  const numbers = new Int32Array((body.position.length / 3) * turns.length).fill(-1);
   const point = (p, j) => {
-    const key = p * turns.length + (Math.abs(body.place[3 * p + radial]) < onAxis ? 0 : j);
+    const key = p * turns.length + (Math.abs(body.position[3 * p + radial]) < onAxis ? 0 : j);
     if (numbers[key] < 0) {
       numbers[key] = from.length;
       from.push(p);
@@ -93,7 +93,7 @@ function sweepBoundary(body) {
 /* Makes rings of the blocks of the section, sector by sector. */
 function sweepInside(inside) {
   const {blocks, error, status} = inside.read, {across, turns} = revolved, sectors = turns.length - 1;
-  const points = inside.place.length / 3, numbers = Uint32Array.from({length: points}, (_, p) => p);
+  const points = inside.position.length / 3, numbers = Uint32Array.from({length: points}, (_, p) => p);
   const repeat = (values, times) => {
     const all = values && new values.constructor(values.length * times);
     for (let j = 0; values && j < times; ++j) all.set(values, j * values.length);

@@ -54,7 +54,7 @@ TEST_F(ActiveSetHistoryTest, AShrinkingZoneIsNoCycle) {
 
 /// Cycles of two and of three states are found; the message names the pair, how many of its points and where they are,
 /// and not the point of the other pair that changed once, long ago.
-TEST_F(ActiveSetHistoryTest, CyclesAreFoundAndPlaced) {
+TEST_F(ActiveSetHistoryTest, CyclesAreFoundAndLocated) {
   for (const int period : {2, 3}) {
     std::vector<ContactPair> pairs = two_pairs(first_, second_);  // copies would share their points
     ActiveSetHistory history(pairs);
@@ -67,9 +67,9 @@ TEST_F(ActiveSetHistoryTest, CyclesAreFoundAndPlaced) {
     }
     EXPECT_TRUE(history.cycles()) << period;
     const std::string text = history.describe(pairs);
-    for (const char* part :
+    for (const char* phrase :
          {"the active set cycles (", "2 of 6 points of contact \"second\"", "between (2, 1, 0) and (4, 1, 0) m"})
-      EXPECT_NE(text.find(part), std::string::npos) << text;
+      EXPECT_NE(text.find(phrase), std::string::npos) << text;
   }
 }
 

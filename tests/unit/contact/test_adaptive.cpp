@@ -45,7 +45,7 @@ TEST(FirstGrid, ComesFromTheShape) {
 /// Zones of a sixteenth and less of a cell of the plate: the overlap under the computed force is where the ball's
 /// lowest point is, and about as wide as Hertz's circle (the law of the overlap's force holds within 6 %, the force of
 /// a zone that small within 10 %, so the width within some 10 %).
-TEST(SmallZonePlaces, AreFoundBetweenTheQuadraturePoints) {
+TEST(SmallZonePositions, AreFoundBetweenTheQuadraturePoints) {
   for (const double force : {50.0, 0.5}) {
     const FirstSolve first({"F=" + std::to_string(force)});
     ASSERT_EQ(first.zones.size(), 1u);
@@ -54,7 +54,7 @@ TEST(SmallZonePlaces, AreFoundBetweenTheQuadraturePoints) {
     EXPECT_FALSE(zone.resolved);
     const double a = hertz_radius(force);
     EXPECT_NEAR(*zone.width / (2 * a), 1, 0.2) << "F = " << force;
-    for (const SizedBall& ball : zone.places) {
+    for (const SizedBall& ball : zone.balls) {
       EXPECT_LT(ball.center.head<2>().norm(), 2 * a);
       EXPECT_NEAR(ball.center[2], 0, 1e-9) << "on the plate, the primary body";
     }

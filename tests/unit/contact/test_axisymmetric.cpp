@@ -247,7 +247,7 @@ TEST(Axisymmetric, BallOnPlateMeetsHertz) {
       EXPECT_EQ(pair.force_on_first[0], 0);
       ASSERT_TRUE(pair.zone.hertz);
       EXPECT_NEAR(pair.max_pressure / pair.zone.hertz->p0, 1, 0.01);
-      EXPECT_EQ(pair.zone.parts, 1);
+      EXPECT_EQ(pair.zone.sectors, 1);
     }
 }
 

@@ -16,8 +16,8 @@ struct PatchCase {
 
 void PrintTo(const PatchCase& c, std::ostream* out) { *out << c.name; }
 
-/// Of a displacement u = gradient x in the lower block, and of its stress; above the interface at z = 0.6 the gradient
-/// along z may be another.
+/// Fields of a displacement u = gradient x in the lower block and its stress; above the interface at z = 0.6 the
+/// gradient along z may be another.
 struct Field {
   double E[2] = {200e9, 200e9}, nu[2] = {0.3, 0.3};
   Mat3 stress;  ///< Pa

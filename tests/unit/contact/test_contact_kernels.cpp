@@ -9,7 +9,7 @@
 
 #include "contact/kernels/row_kernels.hpp"
 #include "contact/kernels/support_kernels.hpp"
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 #include "tests/support/execution_spaces.hpp"
 
 namespace cgcontact::test_contact_kernels {
@@ -308,18 +308,18 @@ TYPED_TEST(SupportKernels, GroupsActOnTheNodesOfTheirRows) {
 TYPED_TEST(SupportKernels, RowsOfRigidMotions) {
   using Values = typename TestFixture::TestValues;
   using Memory = typename TestFixture::TestMemory;
-  std::vector<RigidPart> parts(2);
-  for (RigidPart& part : parts)
+  std::vector<BodyMotion> motions(2);
+  for (BodyMotion& motion : motions)
     for (int d = 0; d < 3; ++d) {
-      part.translation[d] = this->random();
-      part.rotation[d] = this->random();
-      part.centre[d] = this->random();
-      for (int e = 0; e < 3; ++e) part.expansion(d, e) = this->random();
+      motion.translation[d] = this->random();
+      motion.rotation[d] = this->random();
+      motion.centre[d] = this->random();
+      for (int e = 0; e < 3; ++e) motion.expansion(d, e) = this->random();
     }
   const int n = 50;
-  const DirectionArrays<Memory> places(n);
-  const auto body = Kokkos::create_mirror_view(places.body);
-  const auto x = Kokkos::create_mirror_view(places.x), direction = Kokkos::create_mirror_view(places.direction);
+  const DirectionArrays<Memory> points(n);
+  const auto body = Kokkos::create_mirror_view(points.body);
+  const auto x = Kokkos::create_mirror_view(points.x), direction = Kokkos::create_mirror_view(points.direction);
   for (int i = 0; i < n; ++i) {
     body(i) = i % 2;
     for (int d = 0; d < 3; ++d) {
@@ -327,16 +327,16 @@ TYPED_TEST(SupportKernels, RowsOfRigidMotions) {
       direction(i, d) = this->random();
     }
   }
-  Kokkos::deep_copy(places.body, body);
-  Kokkos::deep_copy(places.x, x);
-  Kokkos::deep_copy(places.direction, direction);
+  Kokkos::deep_copy(points.body, body);
+  Kokkos::deep_copy(points.x, x);
+  Kokkos::deep_copy(points.direction, direction);
   const Values moved("moved", n);
-  rigid_displacements(this->exec, places, this->template on_device<Kokkos::View<RigidPart*, Memory>>(parts), moved);
+  rigid_displacements(this->exec, points, this->template on_device<Kokkos::View<BodyMotion*, Memory>>(motions), moved);
   const auto found = this->on_host(moved);
   for (int i = 0; i < n; ++i) {
-    const RigidPart& part = parts[i % 2];
-    const Vec3 arm = Vec3(x(i, 0), x(i, 1), x(i, 2)) - part.centre;
-    const Vec3 at = part.translation + part.rotation.cross(arm) + part.expansion * arm;
+    const BodyMotion& motion = motions[i % 2];
+    const Vec3 arm = Vec3(x(i, 0), x(i, 1), x(i, 2)) - motion.centre;
+    const Vec3 at = motion.translation + motion.rotation.cross(arm) + motion.expansion * arm;
     EXPECT_NEAR(found[i], at.dot(Vec3(direction(i, 0), direction(i, 1), direction(i, 2))), 10 * rounding);
   }
 }
@@ -362,7 +362,7 @@ TYPED_TEST(SupportKernels, RowsMultiply) {
 }
 
 /// Rows of the mean gap against sums in a map, point by point; groups of no point have none, and an axis that no point
-/// has a part in has no entry.
+/// moves along has no entry.
 TYPED_TEST(ContactKernels, RowsOfGapsAreCombinedByUnknown) {
   using Memory = typename TestFixture::TestMemory;
   using Numbers = typename TestFixture::TestNumbers;

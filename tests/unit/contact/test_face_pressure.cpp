@@ -76,8 +76,8 @@ TEST(SampledPressure, the_end_of_a_contact_zone_stays_steep) {
       norm += std::pow(at(row.x), 2);
     }
     EXPECT_LT(std::sqrt(error / norm), 9e-4 / std::sqrt(norm / (2 * 97 * 97)));
-    const SampledPressure many_at_one_place(std::vector<ContactRow>(8, rows[0]), 0.05);
-    EXPECT_EQ(many_at_one_place(0, rows[0].x), rows[0].pressure_sprc);
+    const SampledPressure many_at_one_point(std::vector<ContactRow>(8, rows[0]), 0.05);
+    EXPECT_EQ(many_at_one_point(0, rows[0].x), rows[0].pressure_sprc);
   }
 }
 

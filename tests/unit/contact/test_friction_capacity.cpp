@@ -12,30 +12,30 @@ namespace {
 
 using From = TorqueCapacity::From;
 
-/// Places all over a surface of revolution about z through (1, 2, *), whose radius over height s in [0, 1] is given,
+/// Points all over a surface of revolution about z through (1, 2, *), whose radius over height s in [0, 1] is given,
 /// over some of the turn.
-std::vector<PressedPlace> revolved(const std::function<double(double)>& radius, double turn, bool inside) {
-  std::vector<PressedPlace> places;
+std::vector<PressedPoint> revolved(const std::function<double(double)>& radius, double turn, bool inside) {
+  std::vector<PressedPoint> points;
   for (int i = 0; i < 24; ++i)
     for (int j = 0; j < 8; ++j) {
       const double angle = turn * (i + 0.5) / 24, s = (j + 0.5) / 8, e = 1e-6;
       const double slope = (radius(s + e) - radius(s - e)) / (2 * e), c = std::cos(angle), w = std::sin(angle);
       const Vec3 normal = (inside ? -1 : 1) * Vec3(c, w, -slope).normalized();
-      places.push_back({Vec3(1, 2, 0) + Vec3(radius(s) * c, radius(s) * w, s), normal, 1 + 0.1 * j});
+      points.push_back({Vec3(1, 2, 0) + Vec3(radius(s) * c, radius(s) * w, s), normal, 1 + 0.1 * j});
     }
-  return places;
+  return points;
 }
 
 std::optional<TorqueCapacity> axis_of(const std::function<double(double)>& radius, double turn) {
   return axis_of_faces({revolved(radius, turn, false), revolved(radius, turn, true)}, {1.2, 2.1, 0.4}, {});
 }
 
-std::vector<PressedPlace> plane(const Vec3& normal) {
-  std::vector<PressedPlace> places;
+std::vector<PressedPoint> plane(const Vec3& normal) {
+  std::vector<PressedPoint> points;
   const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
   for (int i = 0; i < 5; ++i)
-    for (int j = 0; j < 5; ++j) places.push_back({Vec3(1, 1, 1) + 0.3 * i * u + 0.2 * j * v, normal, 1});
-  return places;
+    for (int j = 0; j < 5; ++j) points.push_back({Vec3(1, 1, 1) + 0.3 * i * u + 0.2 * j * v, normal, 1});
+  return points;
 }
 
 void expect_axis(const std::optional<TorqueCapacity>& found, const Vec3& point, const Vec3& direction, From from) {
@@ -65,19 +65,19 @@ TEST(FrictionCapacity, AxisOfFlatFaces) {
 TEST(FrictionCapacity, NoAxisOfFaces) {
   const auto ball = revolved([](double s) { return std::sqrt(1 - std::pow(s - 0.3, 2)); }, 2 * pi, false);
   EXPECT_FALSE(axis_of_faces({ball, ball}, Vec3::Zero(), {}));
-  std::vector<PressedPlace> roller = revolved([](double) { return 0.5; }, 0.8, false);
-  std::vector<PressedPlace> ground;
-  for (const PressedPlace& place : roller) ground.push_back({place.x, Vec3(-1, 0, 0), place.area});
+  std::vector<PressedPoint> roller = revolved([](double) { return 0.5; }, 0.8, false);
+  std::vector<PressedPoint> ground;
+  for (const PressedPoint& point : roller) ground.push_back({point.x, Vec3(-1, 0, 0), point.area});
   EXPECT_FALSE(axis_of_faces({roller, ground}, Vec3::Zero(), {}));
-  std::vector<PressedPlace> corner = plane({0, 0, 1});
+  std::vector<PressedPoint> corner = plane({0, 0, 1});
   for (const Vec3& n : {Vec3(1, 0, 0), Vec3(0, 1, 0)})
-    for (const PressedPlace& place : plane(n)) corner.push_back(place);
+    for (const PressedPoint& point : plane(n)) corner.push_back(point);
   EXPECT_FALSE(axis_of_faces({corner, corner}, Vec3::Zero(), {}));
 }
 
 /// A ball on a plane spins about the normal through its centre.
 TEST(FrictionCapacity, AxisOfABallOnAPlane) {
-  std::vector<PressedPlace> ball, ground;
+  std::vector<PressedPoint> ball, ground;
   for (int i = 0; i < 6; ++i)
     for (int j = 1; j < 4; ++j) {
       const Vec3 d(0.05 * j * std::cos(i), 0.05 * j * std::sin(i), 0);
@@ -90,7 +90,7 @@ TEST(FrictionCapacity, AxisOfABallOnAPlane) {
 
 /// In plane strain all rows lie in one plane, and turns about other axes are none.
 TEST(FrictionCapacity, AxisInPlaneStrain) {
-  std::vector<PressedPlace> circle;
+  std::vector<PressedPoint> circle;
   for (int i = 0; i < 24; ++i) {
     const Vec3 n(std::cos(i * pi / 12), std::sin(i * pi / 12), 0);
     circle.push_back({0.4 * n, n, 1});
@@ -102,7 +102,7 @@ TEST(FrictionCapacity, AxisInPlaneStrain) {
 
 /// Facets of a twenty-fourth of a turn stand for a cylinder.
 TEST(FrictionCapacity, AxisOfFacets) {
-  std::vector<PressedPlace> facets;
+  std::vector<PressedPoint> facets;
   for (int i = 0; i < 24; ++i)
     for (const double side : {-0.6, 0.0, 0.6})
       for (const double z : {0.0, 0.5, 1.0}) {
@@ -180,13 +180,15 @@ TEST(FrictionCapacity, BlockPushedAlongAPlate) {
 /// how much more the load needs.
 TEST(FrictionCapacity, BlockTurnedOnAPlate) {
   const double capacity = 50 * mean_distance(0.02, 0.01);
-  const auto turned = [&](double part) {
-    return test::run_text(blocks("force = [0, 0, -200]\nmoment = [0, 0, " + std::to_string(part * capacity) + "]\n"));
+  const auto turned = [&](double fraction) {
+    return test::run_text(
+        blocks("force = [0, 0, -200]\nmoment = [0, 0, " + std::to_string(fraction * capacity) + "]\n"));
   };
   const auto holds = turned(0.9);
   ASSERT_TRUE(holds->results().converged) << holds->results().diagnosis;
   EXPECT_NEAR(friction(*holds).torque->capacity / capacity, 1, 2e-3);
-  // The shear of points of one group differs, its slip does not: they add up to the torque but for a part of a cell.
+  // The shear of points of one group differs, its slip does not: they add up to the torque but for a fraction of a
+  // cell.
   EXPECT_NEAR(*friction(*holds).use / 0.9, 1, 5e-3);
   EXPECT_NEAR(std::abs(friction(*holds).torque->carried) / (0.9 * capacity), 1, 5e-3);
   const auto slides = turned(1.1);
@@ -311,7 +313,7 @@ displacement = {x = 0, y = 0, z = 0}
   EXPECT_LT(error, *f.torque->error);
 }
 
-/// About an axis 1 m aside the parts behind the planes of symmetry have other distances than the quarter that is
+/// About an axis 1 m aside the regions behind the planes of symmetry have other distances than the quarter that is
 /// modelled, whose centre of pressure is 3 a/8 nearer.
 TEST(FrictionCapacity, WholeZoneAboutAnAxisAside) {
   const auto solved =

@@ -34,7 +34,7 @@ double energy(const TangentialContact& law, double bound) {
 
 TEST(FrictionLaw, TractionIsTheDerivativeOfTheEnergyAndStiffnessThatOfTheTraction) {
   Numbers random;
-  constexpr double step = 1e-6, held_part = 1e-4;
+  constexpr double step = 1e-6, slip_held = 1e-4;
   for (int i = 0; i < 200; ++i) {
     const double k = random(1, 5), bound = random(0.1, 1), lagged[2] = {random(), random()},
                  slip[2] = {random(), random()}, reference[2] = {random(), random()};
@@ -46,16 +46,17 @@ TEST(FrictionLaw, TractionIsTheDerivativeOfTheEnergyAndStiffnessThatOfTheTractio
     const TangentialContact law = at(0, 0);
     if (std::abs(law.size() - bound) < 10 * k * step) continue;  // a kink of the traction
     for (int j = 0; j < 2; ++j) {
-      EXPECT_NEAR((energy(at(j, step), bound) - energy(at(j, -step), bound)) / (2 * step), -law.part(bound) * law.z[j],
-                  1e-8);
+      EXPECT_NEAR((energy(at(j, step), bound) - energy(at(j, -step), bound)) / (2 * step),
+                  -law.carried_fraction(bound) * law.z[j], 1e-8);
       for (int c = 0; c < 2; ++c) {
-        const double slope =
-            (at(j, step).part(bound) * at(j, step).z[c] - at(j, -step).part(bound) * at(j, -step).z[c]) / (2 * step);
-        const double kept = law.sticks(bound) || c != j ? 0 : held_part * k;
-        EXPECT_NEAR(law.stiffness(bound, held_part, c, j) - kept, -slope, 1e-7 * k);
+        const double slope = (at(j, step).carried_fraction(bound) * at(j, step).z[c] -
+                              at(j, -step).carried_fraction(bound) * at(j, -step).z[c]) /
+                             (2 * step);
+        const double kept = law.sticks(bound) || c != j ? 0 : slip_held * k;
+        EXPECT_NEAR(law.stiffness(bound, slip_held, c, j) - kept, -slope, 1e-7 * k);
       }
     }
-    EXPECT_LE(law.part(bound) * law.size(), bound * (1 + 1e-15));
+    EXPECT_LE(law.carried_fraction(bound) * law.size(), bound * (1 + 1e-15));
   }
 }
 
@@ -108,7 +109,7 @@ struct PlainFriction {
     std::array<double, 2> sum{0, 0};
     for (int q = first[g]; q < first[g + 1]; ++q)
       for (int i = 0; i < 2 && bound[q] > 0; ++i)
-        sum[i] += weight[q] * law(g, q, slip).part(bound[q]) * law(g, q, slip).z[i];
+        sum[i] += weight[q] * law(g, q, slip).carried_fraction(bound[q]) * law(g, q, slip).z[i];
     return sum;
   }
 

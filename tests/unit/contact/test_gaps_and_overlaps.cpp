@@ -142,7 +142,7 @@ TEST(PinInAHole, CarriesTheWeight) {
     double top = 0;
     for (const ContactRow& row : r.contact_rows) {
       if (!std::isfinite(row.gap)) continue;
-      EXPECT_GT(row.gap, -0.02 / n) << row.x.transpose();  // the gap is zero in the mean of each boundary piece
+      EXPECT_GT(row.gap, -0.02 / n) << row.x.transpose();  // the gap is zero in the mean of each group
       if (row.pressure_sprc > 0.02 * r.pairs[0].max_pressure) top = std::max(top, std::atan2(row.x[0], -row.x[2]));
     }
     angle[fine] = top;

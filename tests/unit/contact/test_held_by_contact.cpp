@@ -52,7 +52,7 @@ int body_named(const test::SolvedScene& solved, const std::string& name) {
   throw std::logic_error("no body " + name);
 }
 
-/// Of all contact between two bodies, on the first one, N.
+/// Returns the force of all contact between two bodies, on the first one, N.
 Vec3 force_on(const test::SolvedScene& solved, const std::string& first, const std::string& second) {
   const int a = body_named(solved, first), b = body_named(solved, second);
   Vec3 sum = Vec3::Zero();
@@ -81,8 +81,8 @@ bool warns(const Results& results, const std::string& text) {
 }
 
 /// Each ball is in equilibrium to the tolerance of the outer iteration, and nothing but contact carries it. Where
-/// exactly a ball touches is known to a part of a cell (the zones are smaller than one here), and with it the direction
-/// of the force: the forces between the balls are those of statics to 0.5 h / R.
+/// exactly a ball touches is known to a fraction of a cell (the zones are smaller than one here), and with it the
+/// direction of the force: the forces between the balls are those of statics to 0.5 h / R.
 TEST(HeldByContact, ThreeBallsInABox) {
   const double r = 10e-3, weight = 1e9 * 4 * pi / 3 * r * r * r;
   const double slope = std::sqrt(4 * r * r - 14e-3 * 14e-3) / 14e-3;  // of the line of centres

@@ -62,7 +62,7 @@ at = [0.7, -0.4, 2]
   for (const char* load : faces) {
     const auto scene = bar(load);
     Simulation simulation(*scene);
-    simulation.place({});
+    simulation.set_up({});
     const auto [force, moment] = resultants(simulation, at);
     EXPECT_LT((force - F).norm(), 1e-12 * F.norm());
     EXPECT_LT((moment - M).norm(), 1e-12 * at.norm() * F.norm());
@@ -112,8 +112,8 @@ TEST(Loads, RotationPullsOutward) {
   EXPECT_LT((results.balance[0].loads - exact).norm(), 1e-9 * exact.norm());
 }
 
-/// A plate of 0.4 x 0.4 x 0.1 m with a hole of radius 0.1 m; `part`: what of it is there.
-std::unique_ptr<Scene> lug(const std::string& load, const std::string& part) {
+/// A plate of 0.4 x 0.4 x 0.1 m with a hole of radius 0.1 m; `box`: what of it is there.
+std::unique_ptr<Scene> lug(const std::string& load, const std::string& box) {
   return std::make_unique<Scene>(parse_scene(R"(
 [[body]]
 name = "lug"
@@ -122,7 +122,7 @@ cell_size = 0.03
 grid = {offset = [0.3, 0.6, 0.1], rotation = {axis = [0, 0, 1], angle = 20}}
 [body.shape]
 difference = [
-  {name = "plate", box = )" + part + R"(},
+  {name = "plate", box = )" + box + R"(},
   {name = "hole", cylinder = {base = [0, 0, -1], top = [0, 0, 1], radius = 0.1}},
 ]
 [[support]]
@@ -145,7 +145,7 @@ TEST(Loads, ABearingForceIsACosinePressure) {
     const auto scene = lug(cut ? "force = [0, -2e4, 0]\nbearing = true\n" : "force = [3e4, -4e4, 0]\nbearing = true\n",
                            cut ? half : whole);
     Simulation simulation(*scene);
-    simulation.place({});
+    simulation.set_up({});
     const auto [force, moment] = resultants(simulation, Vec3(0, 0, 0.05));
     if (cut)
       EXPECT_NEAR(force.dot(F), F.squaredNorm(), 1e-12 * F.squaredNorm());
@@ -166,7 +166,7 @@ TEST(Loads, ABearingForceNeedsACylinder) {
     auto scene = lug(load, whole);
     scene->loads[0].face.face.surfaces = {face};
     try {
-      Simulation(*scene).place({});
+      Simulation(*scene).set_up({});
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -206,7 +206,7 @@ std::vector<std::string> load_warnings(const Simulation& simulation) {
   return found;
 }
 
-// A jump along any line across the face, wherever the grid lies: pieces of surface are cut there, so that force and
+// A jump along any line across the face, wherever the grid lies: facets are cut there, so that force and
 // moment are exact (rounding: 1e-10 of them). Without the cut they were off by up to 7 % here.
 TEST(Loads, PressureThatJumpsAtALineIsExact) {
   const double p = 1e5, q = 3e5;
@@ -215,7 +215,7 @@ TEST(Loads, PressureThatJumpsAtALineIsExact) {
     const auto scene = loaded_block("x < " + std::to_string(at) + " ? 1e5 : 3e5", size, 0.07 * k, 0.9 - 0.05 * k,
                                     k % 2 == 0 ? 0 : 13 * k);
     Simulation simulation(*scene);
-    simulation.place({});
+    simulation.set_up({});
     EXPECT_TRUE(load_warnings(simulation).empty());
     const auto [force, moment] = resultants(simulation, Vec3(0, 0.15, 0.1));
     const double expected = 0.3 * (p * at + q * (0.2 - at));
@@ -232,7 +232,7 @@ TEST(Loads, WhatQuadratureLosesIsTold) {
     const auto scene =
         loaded_block("(x-0.1)^2 + (y-0.14)^2 < " + std::to_string(r) + "^2 ? 1e6 : 0", 0.055, 0.11 * k, 0.3, 0);
     Simulation simulation(*scene);
-    simulation.place({});
+    simulation.set_up({});
     const double expected = 1e6 * 3.14159265358979323846 * r * r;
     const double lost = std::abs(resultants(simulation, Vec3::Zero()).first[2] / -expected - 1);
     const auto warnings = load_warnings(simulation);
@@ -248,7 +248,7 @@ TEST(Loads, WhatQuadratureLosesIsTold) {
   for (const char* smooth : {"1e5", "1e5*(1 + x/0.2)*y", "1e5*x^2*y^3", "1e5*sin(20*x)*cos(9*y) + 2e5"}) {
     const auto scene = loaded_block(smooth, 0.03, 0.3, 0.2, 0);
     Simulation simulation(*scene);
-    simulation.place({});
+    simulation.set_up({});
     EXPECT_TRUE(load_warnings(simulation).empty()) << smooth;
   }
 }
@@ -261,7 +261,7 @@ TEST(Loads, BodyForceThatJumpsInCellsIsTold) {
     scene->bodies[0].body_force[0] =
         force[0] == '"' ? Expression(std::string(force + 1, std::strlen(force) - 2), {}) : Expression(1e5);
     Simulation simulation(*scene);
-    simulation.place({});
+    simulation.set_up({});
     EXPECT_EQ(load_warnings(simulation).size(), warnings) << force;
   }
 }

@@ -50,7 +50,7 @@ TEST(PeakEstimate, IsTheErrorOfTheRowsWhereThePressureIsQuadratic) {
   EXPECT_NEAR(*results.pairs[0].max_pressure_error_estimate, 0.01 * p0 / results.pairs[0].max_pressure, 1e-9);
 }
 
-// One of some 30 rows of the peak is 2 % too high: the fit follows it by a few of its 30th parts.
+// One of some 30 rows of the peak is 2 % too high: the fit follows it by a few thirtieths of that.
 TEST(PeakEstimate, SeesAValueThatSticksOut) {
   Results results = round_zone();
   ContactRow& largest = find_largest(results);
@@ -77,13 +77,13 @@ TEST(PeakEstimate, TakesRowsOnALine) {
 TEST(PeakEstimate, IsNoneWhereThereIsNoLargestPressure) {
   Results results = round_zone();
   find_largest(results);
-  SingularPlace place;
-  place.x = results.pairs[0].max_pressure_at;
-  place.cell = h;
-  results.singular_places = {place};
+  SingularPoint point;
+  point.x = results.pairs[0].max_pressure_at;
+  point.cell = h;
+  results.singular_points = {point};
   estimate_peak_errors(results);
   EXPECT_FALSE(results.pairs[0].max_pressure_error_estimate);
-  results.singular_places.clear();
+  results.singular_points.clear();
   results.verdict.pairs[0].state = Verdict::State::not_resolved;
   estimate_peak_errors(results);
   EXPECT_FALSE(results.pairs[0].max_pressure_error_estimate);

@@ -206,9 +206,9 @@ TEST(PlaneStrain, PatchTestOnQuadtrees) {
   for (const double thickness : {0.05, 0.005}) {
     std::string text = std::string("plane_strain = \"x\"\n") + two_blocks;
     const auto replace = [&](const std::string& from, const std::string& to) {
-      const std::size_t place = text.find(from);
-      ASSERT_NE(place, std::string::npos) << from;
-      text.replace(place, from.size(), to);
+      const std::size_t index = text.find(from);
+      ASSERT_NE(index, std::string::npos) << from;
+      text.replace(index, from.size(), to);
     };
     for (int b = 0; b < 2; ++b) replace("max = [0.1,", "max = [" + std::to_string(thickness) + ",");
     replace("cell_size = 0.13\n",
@@ -254,9 +254,9 @@ TEST(PlaneStrain, PatchTestOnQuadtrees) {
   }
 }
 
-/// Three points for each piece of a body have the area, the centre and the second moments of the piece's end, here of
-/// rectangles that fill their cells: as rigid bodies both are held as by all of their ends.
-TEST(PlaneStrain, ThreePointsHoldAPiece) {
+/// Three points for each component of a body have the area, the centre and the second moments of the component's end,
+/// here of rectangles that fill their cells: as rigid bodies both are held as by all of their ends.
+TEST(PlaneStrain, ThreePointsHoldAComponent) {
   const Scene scene = parse_scene(R"(
 plane_strain = "x"
 [[body]]
@@ -313,9 +313,9 @@ bonded = true
 std::string refusal(const std::vector<std::pair<std::string, std::string>>& changes) {
   std::string text = std::string("plane_strain = \"x\"\n") + two_blocks;
   for (const auto& [from, to] : changes) {
-    const std::size_t place = text.find(from);
-    EXPECT_NE(place, std::string::npos) << from;
-    text.replace(place, from.size(), to);
+    const std::size_t index = text.find(from);
+    EXPECT_NE(index, std::string::npos) << from;
+    text.replace(index, from.size(), to);
   }
   try {
     prepare(parse_scene(text, "scene.toml"));

@@ -64,7 +64,7 @@ TEST(Preload, StartsFromWhatOtherGridsHad) {
     int count = 0;
     ProgressCallbacks progress;
     progress.step = [&](const OuterStep& step) { count += step.iteration == 1; };
-    simulation.place(progress);
+    simulation.set_up(progress);
     simulation.solve(progress);
     return count;
   };

@@ -36,7 +36,7 @@ TEST_P(PressureEstimate, IsNearTheTrueError) {
 
 // The error of two_solids n = 32 at this position, 0.09 %, is a quarter of the mean of eight.
 // Without an edge 1.25 is what is promised for degree 1. With an edge 28 runs gave 0.6 to 2.9, most 0.7 to 1.6: what is
-// left is the scatter of the edge's place, one figure per edge, which no figure of the same solution tells.
+// left is the scatter of the edge's position, one figure per edge, which no figure of the same solution tells.
 INSTANTIATE_TEST_SUITE_P(
     Scenes, PressureEstimate,
     testing::Values(

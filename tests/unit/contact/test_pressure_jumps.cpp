@@ -29,7 +29,7 @@ std::vector<ContactRow> round_zone() {
   return rows;
 }
 
-/// Multiplies the recovered pressure of the rows within a cell of a place.
+/// Multiplies the recovered pressure of the rows within a cell of a point.
 void change_near(std::vector<ContactRow>& rows, const Vec3& x, double factor) {
   for (ContactRow& row : rows)
     if ((row.x - x).norm() < h) row.pressure_sprc *= factor;
@@ -37,13 +37,13 @@ void change_near(std::vector<ContactRow>& rows, const Vec3& x, double factor) {
 
 TEST(PressureJumps, NoneWhereThePressuresAgree) { EXPECT_TRUE(pressure_jumps(round_zone(), {p0}, options).empty()); }
 
-TEST(PressureJumps, FindsAHoleAndItsPlace) {
+TEST(PressureJumps, FindsAHoleAndItsPosition) {
   std::vector<ContactRow> rows = round_zone();
-  const Vec3 place(2 * h, -h, 0);
-  change_near(rows, place, 0.6);
+  const Vec3 position(2 * h, -h, 0);
+  change_near(rows, position, 0.6);
   const std::vector<PressureJump> jumps = pressure_jumps(rows, {p0}, options);
   ASSERT_EQ(jumps.size(), 1u);
-  EXPECT_LE((jumps[0].x - place).norm(), h);
+  EXPECT_LE((jumps[0].x - position).norm(), h);
   EXPECT_NEAR(jumps[0].pressure, 0.6 * p0, 0.03 * p0);  // the zone falls by 3 % within three cells of its middle
   EXPECT_GT(jumps[0].around_least, 0.9 * p0);
 }
@@ -55,7 +55,7 @@ TEST(PressureJumps, FindsASpike) {
 }
 
 // Where the finite element stress and plain SPR are unsure by as much themselves, nothing tells which one is right.
-TEST(PressureJumps, LeavesPlacesAloneWhereTheOthersDisagree) {
+TEST(PressureJumps, LeavesPointsAloneWhereTheOthersDisagree) {
   std::vector<ContactRow> rows = round_zone();
   change_near(rows, Vec3::Zero(), 0.6);
   for (ContactRow& row : rows) row.pressure_raw *= row.x.norm() < 3 * h ? 1.5 : 1;
@@ -63,7 +63,7 @@ TEST(PressureJumps, LeavesPlacesAloneWhereTheOthersDisagree) {
 }
 
 // In a body that locks the finite element stress and plain SPR are wrong alike, and SPR-C carries the forces.
-TEST(PressureJumps, LeavesPlacesAloneWhereItCarriesTheForces) {
+TEST(PressureJumps, LeavesPointsAloneWhereItCarriesTheForces) {
   std::vector<ContactRow> rows = round_zone();
   change_near(rows, Vec3::Zero(), 0.6);
   for (ContactRow& row : rows) row.pressure_transmitted = row.pressure_sprc;

@@ -46,7 +46,7 @@ TEST(RefinedGrid, IsFineAroundARing) {
       const Vec3 middle = global_position(cells, e, Vec3::Zero());
       const double distance = std::max(0.0, distance_to_circle(middle) - tube);
       EXPECT_LE(cells.h(e), 1.001 * std::max(0.0125, 0.5 * distance)) << middle.transpose();
-      // The cell of twice the size that it is a part of was too large for the nearest point of the ball around it, or
+      // The cell of twice the size that holds it was too large for the nearest point of the ball around it, or
       // touches one of its own size that was.
       const double above = 2 * cells.h(e), ball = 0.5 * std::sqrt(3.0) * above;
       if (cells.level(e) == 3) {

@@ -208,7 +208,7 @@ parameters = {b = "sqrt(4*(2*q)*R*(1-0.3^2)/(pi*200e9))"}
   ASSERT_TRUE(r.converged) << r.diagnosis;
   EXPECT_TRUE(r.accuracy.reached) << r.accuracy.text;
   EXPECT_LT(test::zone(r, "whole").sprc, 0.02);
-  EXPECT_TRUE(r.singular_places.empty());
+  EXPECT_TRUE(r.singular_points.empty());
 }
 
 /// One message each; those that the scene's text shows are among tests/bad_scenes.

@@ -11,7 +11,7 @@
 namespace cgcontact::test_scenes {
 namespace {
 
-/// Does any patch that is evaluated at a contact row hold a closed contact point?
+/// Returns whether any patch that is evaluated at a contact row holds a closed contact point.
 bool sees_contact(const Simulation& sim, const PatchSet& patches, const ContactRow& row) {
   const BodyMesh& mesh = sim.state.system.meshes[row.body];
   const BoundaryData& boundary = sim.state.bodies[row.body].boundary;
@@ -45,7 +45,7 @@ void PrintTo(const TwoSolidsCase& c, std::ostream* out) { *out << c.scene << " "
 
 class TwoSolids : public testing::TestWithParam<TwoSolidsCase> {};
 
-/// Errors against the independent 2D solution (scenes/data), force, open part, outer iterations. Bounds of SPR-C's
+/// Errors against the independent 2D solution (scenes/data), force, open pressure, outer iterations. Bounds of SPR-C's
 /// error are those below (measured .027, .012, .0071 in plane strain, .013, .0064 in 3D); times better than SPR over
 /// the whole face and in the interior: 2, 2, 2.4 and 3, 4, 5 for n = 8, 16, 32 (measured at least 9.2, 10.6, 10.5
 /// and 5.5, 5.9, 6.5), 1.5 at the edge (11.6).
@@ -296,8 +296,8 @@ TEST(Stack, CarriesWhatStandsOnIt) {
 }
 
 /// Line contact on the facets of an STL file, four cells over half of the contact, against Hertz at the computed force.
-/// Measured: .012 over the whole face, .010 in the interior, 4e-6 outside; the plane of symmetry carries the part of
-/// the force that leans.
+/// Measured: .012 over the whole face, .010 in the interior, 4e-6 outside; the plane of symmetry carries the component
+/// of the force that leans.
 TEST(Seat, IsHertzsLineContact) {
   const auto solved = test::run_scene("scenes/seat.toml");
   const Results& r = solved->results();

@@ -23,8 +23,8 @@ double force(const std::string& scene, const std::vector<std::string>& overrides
 }
 
 /// A wedge of 45 degrees to either side over a plane: below a limit d above the edge lies, per metre of edge, a strip 2
-/// d wide with the volume d^2. The samples of all groups give both within the refinement's part (a tenth of the depth;
-/// measured 10 and 3 %), although no contact point lies in the strip.
+/// d wide with the volume d^2. The samples of all groups give both within the refinement's tolerance (a tenth of the
+/// depth; measured 10 and 3 %), although no contact point lies in the strip.
 TEST(GapSamples, FindAnEdgeBetweenTheContactPoints) {
   const Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/tests/scenes/cube_on_edge.toml", {});
   const Preparation p = prepare(scene);

@@ -13,8 +13,8 @@
 namespace cgcontact::test_solver_robustness {
 namespace {
 
-constexpr int most_iterations = 9;  // solid bodies, and those held across their thickness
-constexpr int most_when_thin = 15;  // what bends
+constexpr int max_iterations = 9;  // solid bodies, and those held across their thickness
+constexpr int max_when_thin = 15;  // what bends
 
 Scene scene_of(const std::string& name, int n) {
   return read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/" + name + ".toml", {"n=" + std::to_string(n)});
@@ -23,7 +23,7 @@ Scene scene_of(const std::string& name, int n) {
 /// Solves; `what` names the line of the table. 1000: not converged.
 int iterations(const Scene& scene, const std::string& what, double tolerance = 1e-8) {
   Simulation sim(scene);
-  sim.place_on_grids();
+  sim.set_up_grids();
   sim.make_system();
   set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
   LinearSolver solver(ExecSpace(), sim.state.system, Preconditioner::multigrid);
@@ -45,17 +45,17 @@ void expect_flat(const std::string& scene, const std::vector<int>& refinements) 
   std::vector<int> counts;
   for (int n : refinements) {
     counts.push_back(iterations(scene_of(scene, n), scene + ", n = " + std::to_string(n)));
-    EXPECT_LE(counts.back(), most_iterations) << n;
+    EXPECT_LE(counts.back(), max_iterations) << n;
   }
   for (int count : counts) EXPECT_LE(std::abs(count - counts[counts.size() / 2]), 2);
 }
 
-/// MueLu in the place of multigrid, in a solver that is already set up: the same solution, once. The outer iteration
+/// MueLu instead of multigrid, in a solver that is already set up: the same solution, once. The outer iteration
 /// does this where multigrid throws.
 TEST(SolverRobustness, FallBack) {
   const Scene scene = scene_of("two_solids_3d", 8);
   Simulation sim(scene);
-  sim.place_on_grids();
+  sim.set_up_grids();
   sim.make_system();
   set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
   LinearSolver solver(ExecSpace(), sim.state.system, Preconditioner::multigrid);
@@ -89,7 +89,7 @@ TEST(SolverRobustness, Slivers) {
     const double width = std::pow(10.0, -digits);
     scene.bodies[0].grid_offset = Vec3::Constant(width);
     scene.bodies[1].grid_offset = Vec3::Constant(1 - width);
-    EXPECT_LE(iterations(scene, "slivers of 1e-" + std::to_string(digits)), most_iterations);
+    EXPECT_LE(iterations(scene, "slivers of 1e-" + std::to_string(digits)), max_iterations);
   }
 }
 
@@ -103,7 +103,7 @@ TEST(SolverRobustness, ShiftsAndRotations) {
       const Vec3 axis = Vec3(angle(random), angle(random), angle(random)).normalized();
       body.grid_rotation = Eigen::AngleAxisd(pi * angle(random), axis).toRotationMatrix();
     }
-    EXPECT_LE(iterations(scene, "shift and rotation " + std::to_string(i + 1)), most_iterations);
+    EXPECT_LE(iterations(scene, "shift and rotation " + std::to_string(i + 1)), max_iterations);
   }
 }
 
@@ -111,14 +111,14 @@ TEST(SolverRobustness, StiffnessRatios) {
   for (int exponent = -3; exponent <= 3; ++exponent) {
     Scene scene = scene_of("two_solids_3d", 10);
     scene.bodies[1].material.youngs_modulus *= std::pow(10.0, exponent);
-    EXPECT_LE(iterations(scene, "upper body stiffer by 1e" + std::to_string(exponent)), most_iterations);
+    EXPECT_LE(iterations(scene, "upper body stiffer by 1e" + std::to_string(exponent)), max_iterations);
   }
 }
 
 /// Plane strain: one cell thick.
 TEST(SolverRobustness, RefinementsOfPlaneStrain) {
   for (int n : {16, 32, 64, 128})
-    EXPECT_LE(iterations(scene_of("two_solids", n), "plane strain, n = " + std::to_string(n)), most_iterations) << n;
+    EXPECT_LE(iterations(scene_of("two_solids", n), "plane strain, n = " + std::to_string(n)), max_iterations) << n;
 }
 
 TEST(SolverRobustness, PlaneStrainOfSeveralCells) {
@@ -130,7 +130,7 @@ TEST(SolverRobustness, PlaneStrainOfSeveralCells) {
       for (BodySpec& body : scene.bodies)
         body.grid_offset = Vec3::Constant(&body == &scene.bodies[0] ? width : 1 - width);
       EXPECT_LE(iterations(scene, std::to_string(layers) + " cells, slivers of 1e-" + std::to_string(digits)),
-                most_iterations);
+                max_iterations);
     }
 }
 
@@ -138,7 +138,7 @@ TEST(SolverRobustness, StiffnessRatiosInPlaneStrain) {
   for (int exponent = -3; exponent <= 3; ++exponent) {
     Scene scene = scene_of("two_solids", 24);
     scene.bodies[1].material.youngs_modulus *= std::pow(10.0, exponent);
-    EXPECT_LE(iterations(scene, "plane strain, upper body stiffer by 1e" + std::to_string(exponent)), most_iterations);
+    EXPECT_LE(iterations(scene, "plane strain, upper body stiffer by 1e" + std::to_string(exponent)), max_iterations);
   }
 }
 
@@ -161,14 +161,14 @@ TEST(SolverRobustness, FreePlates) {
                               Index3{80, 40, 2}, Index3{80, 40, 3}, Index3{160, 80, 1}, Index3{200, 4, 1}})
     EXPECT_LE(iterations(cantilever(cells, {0.3, 0.21, 0.15}),
                          fmt::format("plate of {} x {} x {} cells", cells[0], cells[1], cells[2])),
-              most_when_thin);
+              max_when_thin);
   EXPECT_LE(iterations(cantilever({80, 40, 1}, {0.3, 0.21, 0.15}, "[0, 0, 1]", 20), "80 x 40, turned in its plane"),
-            most_when_thin);
+            max_when_thin);
   for (int digits : {1, 4, 8}) {
     const double width = std::pow(10.0, -digits);
     for (const Vec3& offset : {Vec3(Vec3::Constant(width)), Vec3(Vec3::Constant(1 - width))})
       EXPECT_LE(iterations(cantilever({40, 20, 1}, offset), "plate with slivers of 1e-" + std::to_string(digits)),
-                most_when_thin);
+                max_when_thin);
   }
 }
 
@@ -179,7 +179,7 @@ TEST(SolverRobustness, PlatesAcrossTheGrid) {
     for (int thickness = 1; thickness <= 3; ++thickness)
       EXPECT_LE(iterations(cantilever({80, 40, thickness}, {0.3, 0.21, 0.15}, axis, angle),
                            fmt::format("80 x 40 x {}, by {} degrees about {}", thickness, angle, axis)),
-                most_when_thin);
+                max_when_thin);
   EXPECT_LE(iterations(cantilever({160, 80, 1}, {0.3, 0.21, 0.15}, "[0, 1, 0]", 20), "160 x 80 x 1, by 20 degrees"),
             17);
 }
@@ -197,7 +197,7 @@ TEST(SolverRobustness, BentSheets) {
                     "[[support]]\nface = \"sheet.quarter.x-\"\ndisplacement = {{x = 0, y = 0, z = 0}}\n",
                     radius, radius + 2 * thickness, radius + thickness),
         "sheet.toml");
-    EXPECT_LE(iterations(scene, fmt::format("sheet of radius {}, {} cells thick", radius, thickness)), most_when_thin);
+    EXPECT_LE(iterations(scene, fmt::format("sheet of radius {}, {} cells thick", radius, thickness)), max_when_thin);
   }
 }
 
@@ -214,7 +214,7 @@ TEST(SolverRobustness, LongStrips) {
                                 "[[support]]\nface = \"strip.block.y+\"\nsymmetry = true\n",
                                 cells),
                     "strip.toml");
-    EXPECT_LE(iterations(scene, fmt::format("strip of {} cells", cells), tolerance), most_when_thin);
+    EXPECT_LE(iterations(scene, fmt::format("strip of {} cells", cells), tolerance), max_when_thin);
   }
 }
 

@@ -160,7 +160,7 @@ force = [2e5, 2e5, 2e5]
       [&](const Vec3&) { return Vec3(t / 1e9, t / 2e9, t / 4e9); }, 1e-10 * t / 1e9);
 }
 
-/// What the axis of a face is: of a cylinder also from facets and from a part of it; of other faces there is none.
+/// What the axis of a face is: of a cylinder also from facets and from a region of it; of other faces there is none.
 TEST(FaceMoments, FindTheAxisOfACylinder) {
   const auto around = [](int facets, double turn, int inside) {
     FaceMoments moments;
@@ -245,7 +245,7 @@ TEST(Supports, UnderAutomaticContactAreNoResult) {
   expect_contains(solved->results().verdict.text, {"whose normal a support holds", "block-roller"});
 }
 
-/// The part of the side away from the contact may be held: the force of the load goes through the contact.
+/// The region of the side away from the contact may be held: the force of the load goes through the contact.
 TEST(Supports, HoldAPartOfACurvedFace) {
   const auto solved = test::run_text(
       block_on_roller("rigid = true", "face = \"roller.low\"\ndisplacement = {x = 0, y = 0, z = 0}\n", ""), {});

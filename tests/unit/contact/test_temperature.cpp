@@ -31,7 +31,7 @@ symmetry = true
 )";
 }
 
-/// A stress (Pa) and a displacement gradient everywhere, up to a part of E alpha dT, and of alpha dT times 1 m.
+/// A stress (Pa) and a displacement gradient everywhere, up to a fraction of E alpha dT, and of alpha dT times 1 m.
 void expect(const Results& r, const Sym3& stress, const Mat3& gradient, double tolerance) {
   ASSERT_TRUE(r.converged) << r.diagnosis;
   const test::Differences found = test::differences(

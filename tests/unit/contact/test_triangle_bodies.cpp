@@ -22,7 +22,7 @@ TEST(TriangleBodies, TwoSolidsAreThoseOfCsg) {
     ASSERT_TRUE(b.converged);
     EXPECT_TRUE(b.warnings.empty());
     ASSERT_EQ(a.contact_rows.size(), b.contact_rows.size());
-    double largest = 0, worst = 0, worst_place = 0;
+    double largest = 0, worst = 0, worst_distance = 0;
     for (std::size_t i = 0; i < a.contact_rows.size(); ++i) {
       largest = std::max(largest, std::abs(a.contact_rows[i].pressure_sprc));
       // The order of the points in a cell may differ.
@@ -31,12 +31,12 @@ TEST(TriangleBodies, TwoSolidsAreThoseOfCsg) {
         if (row.body == a.contact_rows[i].body &&
             (row.x - a.contact_rows[i].x).norm() < (nearest->x - a.contact_rows[i].x).norm())
           nearest = &row;
-      worst_place = std::max(worst_place, (nearest->x - a.contact_rows[i].x).norm());
+      worst_distance = std::max(worst_distance, (nearest->x - a.contact_rows[i].x).norm());
       worst = std::max({worst, std::abs(nearest->pressure_sprc - a.contact_rows[i].pressure_sprc),
                         std::abs(nearest->pressure_raw - a.contact_rows[i].pressure_raw)});
     }
-    EXPECT_LT(worst_place, 1e-15);
-    // The problem on the face stops when its pressure changes by 1e-10 of the force in total, at single places by more.
+    EXPECT_LT(worst_distance, 1e-15);
+    // The problem on the face stops when its pressure changes by 1e-10 of the force in total, at single points by more.
     EXPECT_LT(worst / largest, 1e-8);
     EXPECT_LT((a.pairs[0].force_on_first - b.pairs[0].force_on_first).norm() / a.pairs[0].force_on_first.norm(), 1e-9);
     EXPECT_NEAR(a.estimated_error / b.estimated_error, 1, 1e-9);

@@ -1,7 +1,7 @@
 /// The curved scenes with known answers, their bodies read from fine STL files: the pressure is that of the CSG bodies
 /// up to the error of the facets. Facets are a fraction of a cell, so that their ripple is averaged out over each
-/// boundary piece; what is left is a smaller (inscribed) surface on either side, and the mean depth of the facets that
-/// the edges of the pieces cut.
+/// cell; what is left is a smaller (inscribed) surface on either side, and the mean depth of the facets that
+/// the sides of the cells cut.
 #include <cmath>
 
 #include "tests/support/scene_with_meshes.hpp"
@@ -137,7 +137,7 @@ void expect_like_csg(const Results& mesh, const Results& csg, double facet_error
 }
 
 /// The interference of 1 mm is short of or beyond the difference of the two surfaces' mean depths, 2/3 of s = L^2 / 8R
-/// with facets of length L; the pieces cut facets, which leaves a ripple of up to s of either side.
+/// with facets of length L; the cells cut facets, which leaves a ripple of up to s of either side.
 TEST(TriangleContact, RingsAreThoseOfCsg) {
   const auto csg = test::run_scene("scenes/rings.toml", {"n=16", "delta=1e-3"});
   test::SceneWithMeshes scene("rings.toml");

@@ -78,16 +78,16 @@ TEST(BodyGeometry, ABallOfTheThirdKindIsTheBallOfTheFirst) {
   EXPECT_NEAR(a.cut_cells, b.cut_cells, 0.1 * b.cut_cells);
 }
 
-// A body that sticks out of its grid is estimated by what is inside, whole coarse cells or parts of them; the cells
+// A body that sticks out of its grid is estimated by what is inside, whole coarse cells or fractions of them; the cells
 // that are made afterwards refuse it.
 TEST(BodyGeometry, AnEstimateOfABodyThatSticksOut) {
   Grid grid;
   grid.num_cells = {12, 12, 12};
   grid.origin = Vec3::Zero();
   const auto box = [](double end) { return Solid::box({2.4, 2.4, 2.4}, {end, 9.6, 9.6}, "box"); };
-  for (const double most_cells : {1e6, 500.0}) {  // cells as they are, two in one
-    const CellEstimate inside = box(12).geometry().estimate_cells(grid, most_cells),
-                       out = box(12.7).geometry().estimate_cells(grid, most_cells);
+  for (const double max_cells : {1e6, 500.0}) {  // cells as they are, two in one
+    const CellEstimate inside = box(12).geometry().estimate_cells(grid, max_cells),
+                       out = box(12.7).geometry().estimate_cells(grid, max_cells);
     EXPECT_GT(inside.nodes, 9.6 * 7.2 * 7.2);
     EXPECT_GT(inside.cut_cells, 2 * 7 * 8);
     EXPECT_NEAR(out.nodes, inside.nodes, 0.15 * inside.nodes);

@@ -1,4 +1,4 @@
-// Bodies from CAD files: cells and boundary are those of the exact surfaces; files, names, units, places, booleans.
+// Bodies from CAD files: cells and boundary are those of the exact surfaces; files, names, units, placements, booleans.
 #include <unistd.h>
 
 #include <filesystem>
@@ -177,7 +177,7 @@ TEST_F(Cad, TrianglesFollowTheCells) {
 // are up to a hundredth of the coarser cells apart, so that strips as wide as that are missing or there twice (2e-6 and
 // 4e-4 at worst, a torus; the same to 1e-12 with fine triangles everywhere).
 TEST_F(Cad, RefinedGridsHaveFineTrianglesAtTheirLeavesOnly) {
-  constexpr int most_levels = 6;
+  constexpr int max_levels = 6;
   for (const test::CadPart& part : parts_) {
     SCOPED_TRACE(part.name);
     const CadModel m = model(part.name);
@@ -187,8 +187,8 @@ TEST_F(Cad, RefinedGridsHaveFineTrianglesAtTheirLeavesOnly) {
     const auto wanted = [&](const Vec3& low, const Vec3& high) {
       return std::max(1.0 / 32, 0.5 * (point - point.cwiseMax(low).cwiseMin(high)).norm());
     };
-    const CellTree tree = refine_cells(base.solid.geometry(), base.grid, wanted, most_levels);
-    ASSERT_EQ(tree.num_levels(), most_levels);
+    const CellTree tree = refine_cells(base.solid.geometry(), base.grid, wanted, max_levels);
+    ASSERT_EQ(tree.num_levels(), max_levels);
     const CutCells cells = make_cut_cells(base.solid, base.grid, {}, {}, tree);
     double volume = 0, area = 0;
     for (int a = 0; a < static_cast<int>(cells.cells.size()); ++a)
@@ -196,8 +196,8 @@ TEST_F(Cad, RefinedGridsHaveFineTrianglesAtTheirLeavesOnly) {
     for (const double w : cells.boundary.weight) area += w;
     EXPECT_NEAR(volume * h * h * h / m.volume(), 1, 1e-5);
     EXPECT_NEAR(area * h * h / m.area(), 1, 1e-3);
-    const Solid fine = base.solid.on_level(most_levels - 1, tree),
-                all_fine = base.solid.transformed(Mat3::Identity(), Vec3::Zero(), std::ldexp(1.0, most_levels - 1));
+    const Solid fine = base.solid.on_level(max_levels - 1, tree),
+                all_fine = base.solid.transformed(Mat3::Identity(), Vec3::Zero(), std::ldexp(1.0, max_levels - 1));
     EXPECT_LE(as_cad(fine)->surface().sag, 0.01);
     EXPECT_LE(fine.geometry().num_facets(),
               std::max(2 * base.solid.geometry().num_facets(), all_fine.geometry().num_facets() / 4));
@@ -239,7 +239,7 @@ TEST_F(Cad, BooleansWithPrimitives) {
       InputError);
 }
 
-// Proves that an assembly in inches comes with its places, names, repeated parts and colours.
+// Proves that an assembly in inches comes with its placements, names, repeated parts and colours.
 TEST_F(Cad, AssemblyInInches) {
   const std::vector<CadSolid> solids = read_cad(file("assembly.step"), {});
   ASSERT_EQ(solids.size(), 3u);
@@ -433,8 +433,8 @@ TEST_F(Cad, ToriOfAScene) {
       {"shape.toml:5: body[0].shape.torus.tube_radius = \"2 m\": is not less than ring_radius", "< 1 m"});
 }
 
-// Proves that faces are found by number, name, colour, kind and size, normal and place, and that what selects nothing
-// is refused with what there is.
+// Proves that faces are found by number, name, colour, kind and size, normal and position, and that what selects
+// nothing is refused with what there is.
 TEST_F(Cad, FacesOfAScene) {
   const auto area = [&](const std::string& cad, const std::string& face) {
     const Scene scene = scene_of(folder_.string(), cad, face);

@@ -10,10 +10,10 @@
 namespace cgcontact::test_cell_tree {
 namespace {
 
-/// Cells of level `to` that are the part of a cell or contain it.
-Index3 part_of(const Index3& c, int steps) { return {c[0] >> steps, c[1] >> steps, c[2] >> steps}; }
+/// Index of the cell that contains the given one, some levels up.
+Index3 ancestor_of(const Index3& c, int steps) { return {c[0] >> steps, c[1] >> steps, c[2] >> steps}; }
 
-/// All leaves of a tree: (level, place).
+/// All leaves of a tree: (level, index).
 std::vector<std::pair<int, Index3>> leaves(const CellTree& tree, const Index3& num_cells) {
   std::vector<std::pair<int, Index3>> found;
   for (int l = 0; l < tree.num_levels(); ++l)
@@ -24,7 +24,7 @@ std::vector<std::pair<int, Index3>> leaves(const CellTree& tree, const Index3& n
   return found;
 }
 
-/// A cell and the 26 around it: is each covered by a leaf of a level that differs by one at most?
+/// Returns whether a cell and the 26 around it are each covered by a leaf of a level that differs by one at most.
 void expect_balanced(const CellTree& tree, const Index3& num_cells) {
   for (const auto& [l, c] : leaves(tree, num_cells))
     for (int n = 0; n < 27; ++n) {
@@ -33,7 +33,7 @@ void expect_balanced(const CellTree& tree, const Index3& num_cells) {
       for (int d = 0; d < 3; ++d) in_grid &= other[d] >= 0 && other[d] < num_cells[d] << l;
       if (!in_grid) continue;
       bool covered = tree.is_refined(l, other) || tree.is_leaf(l, other);
-      covered = covered || (l > 0 && tree.is_leaf(l - 1, part_of(other, 1)));
+      covered = covered || (l > 0 && tree.is_leaf(l - 1, ancestor_of(other, 1)));
       ASSERT_TRUE(covered) << "level " << l << ": the neighbour is larger by two levels";
     }
 }
@@ -121,15 +121,15 @@ double area(const CutCells& cells) {
 }
 
 void expect_consistent(const CutCells& cells) {
-  ASSERT_EQ(cells.parts.size(), static_cast<std::size_t>(cells.num_levels()));
+  ASSERT_EQ(cells.level_cells.size(), static_cast<std::size_t>(cells.num_levels()));
   for (int a = 0; a < static_cast<int>(cells.cells.size()); ++a) {
     EXPECT_EQ(cells.find(cells.level(a), cells.cells[a]), a);
     const Vec3 middle = grid_position(cells, a, Vec3::Zero());
     EXPECT_EQ(cells.locate(middle), a);
     EXPECT_LT(cell_coordinates(cells, a, middle).norm(), 1e-12);
-    const CutCells& part = cells.parts[cells.level(a)];
-    const int own = a - cells.first_of_part[cells.level(a)];
-    EXPECT_EQ(part.volume_fraction(own), cells.volume_fraction(a));
+    const CutCells& of_level = cells.level_cells[cells.level(a)];
+    const int own = a - cells.first_of_level[cells.level(a)];
+    EXPECT_EQ(of_level.volume_fraction(own), cells.volume_fraction(a));
   }
   for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
     const Vec3 xi = cell_coordinates(cells, cells.boundary.cell[i], cells.boundary.position[i]);
@@ -143,7 +143,7 @@ TEST(RefinedCutCells, BallHasItsVolumeAndArea) {
   grid.num_cells = {8, 8, 8};
   const CutCells cells = refined_cells(ball, grid, {4.1, 3.9, 7.5}, 1. / 16, 0.5, 6);
   EXPECT_EQ(cells.num_levels(), 5);
-  // Cells of level 0 are a third of the radius: their curved pieces are integrated to 1e-7.
+  // Cells of level 0 are a third of the radius: their curved facets are integrated to 1e-7.
   EXPECT_NEAR(volume(cells), 4. / 3 * pi * std::pow(3.3, 3), 1e-5);
   EXPECT_NEAR(area(cells), 4 * pi * 3.3 * 3.3, 1e-5);
   expect_consistent(cells);
@@ -161,7 +161,7 @@ TEST(RefinedCutCells, BoxIsExactInAnyPosition) {
     EXPECT_NEAR(volume(cells), 3.1 * 2.3 * 2.3, 1e-12);
     EXPECT_NEAR(area(cells), 2 * (3.1 * 2.3 + 3.1 * 2.3 + 2.3 * 2.3), 1e-11);
     expect_consistent(cells);
-    // The same pieces again, cell by cell, also divided by planes that are those of no grid.
+    // The same facets again, cell by cell, also divided by planes that are those of no grid.
     std::vector<Plane> dividers;
     for (int d = 0; d < 3; ++d)
       for (double at = 0.37; at < 8; at += 0.61) dividers.push_back({Vec3::Unit(d), at});
@@ -169,7 +169,7 @@ TEST(RefinedCutCells, BoxIsExactInAnyPosition) {
   }
 }
 
-/// Faces on grid planes of all levels, also by a rounding beyond them, and on the border of the grid: pieces in cells
+/// Faces on grid planes of all levels, also by a rounding beyond them, and on the border of the grid: facets in cells
 /// without volume go to active cells, none of them larger than its cell.
 TEST(RefinedCutCells, FacesOnGridPlanes) {
   for (const double off : {0.0, 1e-14, -1e-14, 3e-13, -3e-13}) {
@@ -210,30 +210,30 @@ TEST(RefinedCutCells, CellsAround) {
   }
 }
 
-/// Pieces of one cell after the other, by walks from cell to cell.
-std::vector<int> pieces_by_walks(const CutCells& cells, int& count) {
-  std::vector<int> piece(cells.cells.size(), -1), waiting;
+/// Components of one cell after the other, by walks from cell to cell.
+std::vector<int> components_by_walks(const CutCells& cells, int& count) {
+  std::vector<int> component(cells.cells.size(), -1), waiting;
   count = 0;
-  for (int start = 0; start < static_cast<int>(piece.size()); ++start) {
-    if (piece[start] >= 0) continue;
+  for (int start = 0; start < static_cast<int>(component.size()); ++start) {
+    if (component[start] >= 0) continue;
     waiting.push_back(start);
-    piece[start] = count;
+    component[start] = count;
     while (!waiting.empty()) {
       const int cell = waiting.back();
       waiting.pop_back();
       each_cell_beside(cells, cell, [&](int beside) {
-        if (piece[beside] < 0) waiting.push_back(beside);
-        piece[beside] = count;
+        if (component[beside] < 0) waiting.push_back(beside);
+        component[beside] = count;
       });
     }
     ++count;
   }
-  return piece;
+  return component;
 }
 
-/// Combs with teeth along every axis, longer than a word of 64 cells, of one level and of four: the pieces of walks
+/// Combs with teeth along every axis, longer than a word of 64 cells, of one level and of four: the components of walks
 /// from cell to cell, with the same numbers. A slit ends within the body, so that walks go around its end.
-TEST(RefinedCutCells, ConnectedPieces) {
+TEST(RefinedCutCells, ConnectedComponents) {
   for (int along = 0; along < 3; ++along) {
     Vec3 size(9.3, 8.4, 7.6);
     size[along] = 140.3;
@@ -252,11 +252,11 @@ TEST(RefinedCutCells, ConnectedPieces) {
     corner[along] = 66;
     for (const CutCells& cells : {make_cut_cells(comb, grid), refined_cells(comb, grid, corner, 1. / 8, 0.5, 4)}) {
       int count = 0, expected_count = 0;
-      const std::vector<int> pieces = find_connected_pieces(cells, count);
-      const std::vector<int> expected = pieces_by_walks(cells, expected_count);
+      const std::vector<int> components = find_connected_components(cells, count);
+      const std::vector<int> expected = components_by_walks(cells, expected_count);
       EXPECT_EQ(expected_count, 3);
       EXPECT_EQ(count, expected_count);
-      EXPECT_EQ(pieces, expected);
+      EXPECT_EQ(components, expected);
     }
   }
 }

@@ -84,7 +84,7 @@ TEST(clip_cells, a_body_on_grid_planes_has_no_tetrahedra) {
   const CutCells cells = cut(Solid::box({1, 2, 1}, {5, 6, 4}, "box"), 8);
   const ClippedMesh mesh = clip_cells(cells);
   EXPECT_EQ(mesh.tetrahedra.size(), 0u);
-  EXPECT_EQ(mesh.num_pieces(), 48u);
+  EXPECT_EQ(mesh.num_polyhedra(), 48u);
   EXPECT_EQ(mesh.interior.cells.size(), 4u);
   EXPECT_EQ(mesh.num_points(), 100u);
   EXPECT_EQ(mesh.volume(), 48);
@@ -92,18 +92,18 @@ TEST(clip_cells, a_body_on_grid_planes_has_no_tetrahedra) {
 }
 
 /// Full cells are hexahedra with the corners that they have, away from the boundary as numbers only; points are shared:
-/// each node of the interior is one point, with its place.
+/// each node of the interior is one point, with its position.
 void expect_full_cells_once(const CutCells& cells) {
   const ClippedMesh mesh = clip_cells(cells);
-  std::map<int, int> pieces;
-  for (const int cell : mesh.cell_of_hexahedron) ++pieces[cell];
+  std::map<int, int> polyhedra;
+  for (const int cell : mesh.cell_of_hexahedron) ++polyhedra[cell];
   for (const int cell : mesh.interior.cells) {
     EXPECT_LT(cells.cut_of_active[cell], 0);
-    ++pieces[cell];
+    ++polyhedra[cell];
   }
   for (std::size_t c = 0; c < cells.cells.size(); ++c) {
     if (cells.cut_of_active[c] < 0) {
-      EXPECT_EQ(pieces[static_cast<int>(c)], 1);
+      EXPECT_EQ(polyhedra[static_cast<int>(c)], 1);
     }
   }
   EXPECT_GT(mesh.interior.cells.size(), 50u);
@@ -114,14 +114,14 @@ void expect_full_cells_once(const CutCells& cells) {
     const std::array<int, 8> hexahedron = mesh.interior_hexahedron(i);
     for (int v = 0; v < 8; ++v) {
       const bool high[3] = {v % 4 == 1 || v % 4 == 2, v % 4 >= 2, v >= 4};
-      const Vec3 place = cells.corner(cell) + cells.size(cell) * Vec3(high[0], high[1], high[2]);
+      const Vec3 position = cells.corner(cell) + cells.size(cell) * Vec3(high[0], high[1], high[2]);
       const auto point = static_cast<std::size_t>(hexahedron[v]);
       const bool inside = point >= mesh.points.size();
-      EXPECT_EQ(inside ? mesh.interior_point(point - mesh.points.size()) : mesh.points[point], place);
+      EXPECT_EQ(inside ? mesh.interior_point(point - mesh.points.size()) : mesh.points[point], position);
       if (inside) ++corners_at[point - mesh.points.size()];
     }
   }
-  for (const int corners : corners_at) EXPECT_EQ(corners, 8);  // no other piece has the point
+  for (const int corners : corners_at) EXPECT_EQ(corners, 8);  // no other polyhedron has the point
 }
 
 TEST(clip_cells, full_cells_away_from_the_boundary) {
@@ -181,14 +181,14 @@ TEST(clip_cells, curved_and_plane_faces_meet_without_gaps) {
   const Solid ring = Solid::subtract(Solid::cylinder({0, 0, -1}, {0, 0, 1.2}, 5.5, "outer"),
                                      Solid::cylinder({0, 0, -2}, {0, 0, 2}, 2.5, "inner"));
   for (const Solid& solid : {cap, ring}) {
-    const Solid placed = solid.transformed(rotation, {7.1, 7.2, 7.3});
-    const CutCells cells = cut(placed, 14);
+    const Solid turned = solid.transformed(rotation, {7.1, 7.2, 7.3});
+    const CutCells cells = cut(turned, 14);
     const ClippedMesh mesh = clip_cells(cells);
     expect_sound(cells, mesh);
     EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 3e-3);
     EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-7);
     for (const Vec3& x : mesh.points)
-      for (std::size_t s = 0; s < 1; ++s) EXPECT_LT(placed.surfaces()[s].signed_distance(x), 1e-9);
+      for (std::size_t s = 0; s < 1; ++s) EXPECT_LT(turned.surfaces()[s].signed_distance(x), 1e-9);
   }
 }
 
@@ -216,7 +216,7 @@ TEST(clip_cells, bodies_of_triangles) {
   const CutCells cells = cut(ball, 8);
   const ClippedMesh mesh = clip_cells(cells);
   expect_sound(cells, mesh);
-  // Chords of pieces of half a cell on a radius of 3: 0.75 / (8 * 3) cells deep at most, 2/3 of that in the mean.
+  // Chords of segments of half a cell on a radius of 3: 0.75 / (8 * 3) cells deep at most, 2/3 of that in the mean.
   EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 0.02);
   EXPECT_NEAR(enclosed_volume(mesh) / volume_of_moments(cells), 1, 1e-11);
 }
@@ -251,7 +251,7 @@ TEST(clip_cells, round_patches_that_touch_flat_ones_leave_no_gaps) {
 }
 
 // A shaft with 400 grooves, 20 of them in a cell: its cells are cut at the surface as a whole, in a bounded number of
-// pieces; the boundary is the triangles all the same. Volume to 5 %: pieces of half a cell cut off the rims of both
+// polyhedra; the boundary is the triangles all the same. Volume to 5 %: cubes of half a cell cut off the rims of both
 // ends (a ninth of a cell's face along 37 cells, of 109) and the bulge between their corners (1 %).
 TEST(clip_cells, many_patches_in_a_cell) {
   const TriangleSoup soup = test::prism_soup(test::star(800, 3, 2.9), {0, 0}, 4);

@@ -187,9 +187,9 @@ TEST(CutCells, MomentsMoveToANeighbour) {
   for (int q = 0; q < num_moments; ++q) EXPECT_NEAR(moved[q], there[q], 1e-14 * 321 * 321);
 }
 
-// Proves the rule on planar pieces: all polynomials of total degree <= 5 in the plane of each face of a rotated box, to
-// rounding, although the faces are cut into pieces by the cells.
-TEST(CutCells, PlanarPiecesAreOfDegreeFive) {
+// Proves the rule on planar facets: all polynomials of total degree <= 5 in the plane of each face of a rotated box, to
+// rounding, although the faces are cut into facets by the cells.
+TEST(CutCells, PlanarFacetsAreOfDegreeFive) {
   const Mat3 turn = rotation({1, 2, 3}, 0.7);
   const Vec3 half(2, 1.5, 1);
   const CutCells cells = cut(Solid::box(-half, half, "b"), turn, {0.4, 0.2, 0.6});
@@ -211,9 +211,9 @@ TEST(CutCells, PlanarPiecesAreOfDegreeFive) {
       }
 }
 
-// Proves that dividers do not change the area of any cell and that parts end exactly at them: the area on one side of a
-// plane through a sphere is that of the cap (2 pi r h), on one side of a plane through the centre of a box one half.
-TEST(CutCells, DividersSplitPieces) {
+// Proves that dividers do not change the area of any cell and that facets end exactly at them: the area on one side of
+// a plane through a sphere is that of the cap (2 pi r h), on one side of a plane through the centre of a box one half.
+TEST(CutCells, DividersSplitFacets) {
   const std::vector<Plane> dividers{{Vec3(1, 2, -1).normalized(), 4.1},
                                     {Vec3(0, 0, 2), 9.3},
                                     {Vec3(1, 0, 0.1), 5.2},

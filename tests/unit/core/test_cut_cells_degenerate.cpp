@@ -1,4 +1,4 @@
-// Degenerate positions: faces on grid planes, edges on grid edges, up to rounding. Every volume and every piece of
+// Degenerate positions: faces on grid planes, edges on grid edges, up to rounding. Every volume and every facet of
 // surface must be counted once.
 #include "tests/unit/core/cut_cells_checks.hpp"
 
@@ -141,7 +141,7 @@ TEST(DegenerateCells, Slivers) {
     const int below = cells.find({2, 2, 2});
     EXPECT_NEAR(cells.volume_fraction(below), thickness < 1e-12 ? 1 + thickness : 1, 2e-15);
   }
-  // a corner of (1e-6)^3 in a cell is below the threshold, its boundary pieces of 1e-12 are not lost
+  // a corner of (1e-6)^3 in a cell is below the threshold, its boundary facets of 1e-12 are not lost
   const double s = 1e-6;
   const Solid box = Solid::box({1, 1, 1}, {3 + s, 3 + s, 3 + s}, "b");
   expect_exact(box, cube_grid(5), std::pow(2 + s, 3), 6 * std::pow(2 + s, 2), 1e-13);

@@ -14,10 +14,10 @@ struct DrawnBox {
   CutCells cells;
   DrawnBody body;
 
-  DrawnBox(const Mat3& rotation, const Vec3& place, const Vec3& low, const Vec3& high) {
+  DrawnBox(const Mat3& rotation, const Vec3& shift, const Vec3& low, const Vec3& high) {
     grid.num_cells = {12, 12, 12};
     grid.cell_size = 0.5;
-    cells = make_cut_cells(Solid::box(low, high, "box").transformed(rotation, place), grid);
+    cells = make_cut_cells(Solid::box(low, high, "box").transformed(rotation, shift), grid);
     BodyFields fields;
     fields.cut_cells = &cells;
     fields.displacement = [this](int cell, const Vec3& xi) {
@@ -63,9 +63,9 @@ TEST(cut_open, sections_are_exact) {
     for (const BoundaryTriangle& t : section.mesh.boundary) {
       const Vec3 &a = section.position[t.points[0]], &b = section.position[t.points[1]],
                  &c = section.position[t.points[2]];
-      const double part = (b - a).cross(c - a).dot(normal) / 2;
-      EXPECT_GE(part, 0);
-      area += part;
+      const double triangle_area = (b - a).cross(c - a).dot(normal) / 2;
+      EXPECT_GE(triangle_area, 0);
+      area += triangle_area;
     }
     for (std::size_t p = 0; p < section.position.size(); ++p) {
       EXPECT_NEAR((section.position[p] - point).dot(normal), 0, 1e-14);
@@ -123,9 +123,9 @@ TEST(scene_view, a_zone_is_seen_from_a_side_that_it_reaches_or_cut_open) {
 
 TEST(cut_open, turned_bodies_and_directions) {
   const Mat3 rotation = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  const Vec3 place(2.1, 2.2, 2.3);
-  const DrawnBox whole(rotation, place, {2, 2, 2}, {5, 5, 5});
-  const Vec3 corner = (rotation * Vec3(3.2, 3.9, 0) + place) / 2;
+  const Vec3 shift(2.1, 2.2, 2.3);
+  const DrawnBox whole(rotation, shift, {2, 2, 2}, {5, 5, 5});
+  const Vec3 corner = (rotation * Vec3(3.2, 3.9, 0) + shift) / 2;
   const DrawnBody open = cut_open(whole.body, corner, {rotation * -Vec3::UnitX(), rotation * Vec3::UnitY()});
   EXPECT_NEAR(enclosed_volume(open), (27 - 1.2 * 1.1 * 3) / 8, 1e-12);
 }

@@ -10,10 +10,10 @@
 namespace cgcontact::test_expression {
 namespace {
 
-const SourcePlace place{"scene.toml", 7, "load[0].pressure"};
+const SourceLocation location{"scene.toml", 7, "load[0].pressure"};
 
 std::string message_of_text(const std::string& text, const Constants& constants = {}) {
-  return message_of([&] { Expression(text, place, constants)(Vec3(0.3, 0.2, 0.1)); });
+  return message_of([&] { Expression(text, location, constants)(Vec3(0.3, 0.2, 0.1)); });
 }
 
 TEST(Expression, default_is_zero) {
@@ -29,31 +29,31 @@ TEST(Expression, number_is_constant) {
 }
 
 TEST(Expression, text_without_variables_is_constant) {
-  EXPECT_TRUE(Expression("2*pi", place).is_constant());
-  EXPECT_TRUE(Expression("1-1", place).is_zero());
-  EXPECT_FALSE(Expression("x-x", place).is_constant());
+  EXPECT_TRUE(Expression("2*pi", location).is_constant());
+  EXPECT_TRUE(Expression("1-1", location).is_zero());
+  EXPECT_FALSE(Expression("x-x", location).is_constant());
 }
 
 TEST(Expression, follows_the_variables) {
   const Vec3 x(0.3, -0.2, 0.007);
-  EXPECT_DOUBLE_EQ(Expression("4e11*(0.01-z)*z", place)(x), 4e11 * (0.01 - x[2]) * x[2]);
-  EXPECT_DOUBLE_EQ(Expression("x + 2*y", place)(x), x[0] + 2 * x[1]);
-  EXPECT_DOUBLE_EQ(Expression("sqrt(x) + abs(y) + sin(z)", place)(x), std::sqrt(x[0]) + 0.2 + std::sin(x[2]));
-  EXPECT_EQ(Expression("min(x, y, z) + max(x, y)", place)(x), -0.2 + 0.3);
-  EXPECT_EQ(Expression("sign(y)", place)(x), -1);
-  EXPECT_EQ(Expression("y < 0 && x > 0 ? 5 : 6", place)(x), 5);
-  EXPECT_DOUBLE_EQ(Expression("_pi", place)(x), Expression("pi", place)(x));
-  EXPECT_DOUBLE_EQ(Expression("ln(_e)", place)(x), 1);
-  EXPECT_DOUBLE_EQ(Expression("x^2", place)(x), x[0] * x[0]);
+  EXPECT_DOUBLE_EQ(Expression("4e11*(0.01-z)*z", location)(x), 4e11 * (0.01 - x[2]) * x[2]);
+  EXPECT_DOUBLE_EQ(Expression("x + 2*y", location)(x), x[0] + 2 * x[1]);
+  EXPECT_DOUBLE_EQ(Expression("sqrt(x) + abs(y) + sin(z)", location)(x), std::sqrt(x[0]) + 0.2 + std::sin(x[2]));
+  EXPECT_EQ(Expression("min(x, y, z) + max(x, y)", location)(x), -0.2 + 0.3);
+  EXPECT_EQ(Expression("sign(y)", location)(x), -1);
+  EXPECT_EQ(Expression("y < 0 && x > 0 ? 5 : 6", location)(x), 5);
+  EXPECT_DOUBLE_EQ(Expression("_pi", location)(x), Expression("pi", location)(x));
+  EXPECT_DOUBLE_EQ(Expression("ln(_e)", location)(x), 1);
+  EXPECT_DOUBLE_EQ(Expression("x^2", location)(x), x[0] * x[0]);
 }
 
 TEST(Expression, knows_constants) {
-  EXPECT_EQ(Expression("n*x", place, {{"n", 16}})(Vec3(0.5, 0, 0)), 8);
-  EXPECT_TRUE(Expression("n/4", place, {{"n", 16}}).is_constant());
+  EXPECT_EQ(Expression("n*x", location, {{"n", 16}})(Vec3(0.5, 0, 0)), 8);
+  EXPECT_TRUE(Expression("n/4", location, {{"n", 16}}).is_constant());
 }
 
 TEST(Expression, copies_are_independent) {
-  const Expression first("x + y", place);
+  const Expression first("x + y", location);
   Expression second = first, third;
   third = second;
   EXPECT_EQ(first(Vec3(1, 2, 3)), 3);
@@ -65,7 +65,7 @@ TEST(Expression, copies_are_independent) {
 }
 
 TEST(Expression, copies_can_be_evaluated_at_the_same_time) {
-  const Expression original("x*x + y", place);
+  const Expression original("x*x + y", location);
   std::vector<int> wrong(4, 0);
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t)
@@ -77,8 +77,8 @@ TEST(Expression, copies_can_be_evaluated_at_the_same_time) {
   EXPECT_EQ(wrong, std::vector<int>(4, 0));
 }
 
-TEST(Expression, division_by_zero_names_place_text_and_point) {
-  const Expression expression("1e6/(z-2)", place);
+TEST(Expression, division_by_zero_names_location_text_and_point) {
+  const Expression expression("1e6/(z-2)", location);
   EXPECT_DOUBLE_EQ(expression(Vec3(0, 0, 3)), 1e6);
   expect_contains(message_of([&] { expression(Vec3(0.25, 0.5, 2)); }),
                   {"scene.toml:7: load[0].pressure = \"1e6/(z-2)\"", "infinite", "x = 0.25, y = 0.5, z = 2"});
@@ -86,7 +86,7 @@ TEST(Expression, division_by_zero_names_place_text_and_point) {
   expect_contains(message_of_text("sqrt(-x)"), {"not a number", "x = 0.3"});
 }
 
-TEST(Expression, mistakes_name_place_and_text) {
+TEST(Expression, mistakes_name_location_and_text) {
   for (const char* text : {"x+", "sin(x", "x y", "3 4", "1 +* 2", "x^", "x ? 1", "+", "", " ", "x, y", "x = 3", ")"})
     expect_contains(message_of_text(text),
                     {"scene.toml:7: load[0].pressure = \"" + std::string(text) + "\"", "allowed"});
@@ -99,9 +99,9 @@ TEST(Expression, unknown_names_are_named_with_a_suggestion) {
 }
 
 TEST(Expression, constants_alone_give_a_number) {
-  EXPECT_DOUBLE_EQ(evaluate_constant("0.01/(1.3*n)", place, {{"n", 16}}), 0.01 / (1.3 * 16));
-  expect_contains(message_of([] { evaluate_constant("1 + x", place); }), {"cannot depend on \"x\""});
-  expect_contains(message_of([] { evaluate_constant("1/n", place, {{"n", 0}}); }), {"not finite", "n = 0"});
+  EXPECT_DOUBLE_EQ(evaluate_constant("0.01/(1.3*n)", location, {{"n", 16}}), 0.01 / (1.3 * 16));
+  expect_contains(message_of([] { evaluate_constant("1 + x", location); }), {"cannot depend on \"x\""});
+  expect_contains(message_of([] { evaluate_constant("1/n", location, {{"n", 0}}); }), {"not finite", "n = 0"});
 }
 
 TEST(Expression, identifiers_are_not_functions_nor_exponents) {
@@ -113,7 +113,7 @@ TEST(Expression, identifiers_are_not_functions_nor_exponents) {
 
 /// Any number of threads on one object, whatever the backend.
 TEST(Expression, ThreadsShareIt) {
-  const Expression f("x*x + sin(y)*z", SourcePlace{});
+  const Expression f("x*x + sin(y)*z", SourceLocation{});
   std::vector<std::thread> threads;
   std::vector<int> wrong(8, 0);
   for (int t = 0; t < 8; ++t)

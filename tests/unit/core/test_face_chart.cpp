@@ -25,7 +25,7 @@ struct Patch {
   FaceTriangles face;
 };
 
-/// Part of the unit sphere about the origin, between angles in degrees: of the height, then about z.
+/// Zone of the unit sphere about the origin, between angles in degrees: of the height, then about z.
 Patch sphere(double lowest, double highest, double first, double last) {
   return Patch([=](double s, double t) {
     const double height = (lowest + (highest - lowest) * t) * radians_per_degree;
@@ -41,8 +41,8 @@ TEST(face_chart, a_quarter_of_a_cup_keeps_its_symmetry) {
   EXPECT_EQ(chart.right_name(), "x");
   EXPECT_EQ(chart.up_name(), "y");
   for (const Vec3& x : cup.points) {
-    EXPECT_DOUBLE_EQ(chart.place(x)[0], x[0]);
-    EXPECT_DOUBLE_EQ(chart.place(x)[1], x[1]);
+    EXPECT_DOUBLE_EQ(chart.position(x)[0], x[0]);
+    EXPECT_DOUBLE_EQ(chart.position(x)[1], x[1]);
   }
 }
 
@@ -56,14 +56,14 @@ TEST(face_chart, a_face_that_would_fold_is_seen_along_its_mean_normal) {
 TEST(face_chart, a_plane_is_not_shortened) {
   const Patch plane([](double s, double t) { return Vec3(s, t, s); });
   const FaceChart chart(plane.face);
-  EXPECT_NEAR((chart.place(Vec3(1, 0, 1)) - chart.place(Vec3(0, 0, 0))).head<2>().norm(), std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR((chart.position(Vec3(1, 0, 1)) - chart.position(Vec3(0, 0, 0))).head<2>().norm(), std::sqrt(2.0), 1e-12);
 }
 
 TEST(face_chart, half_a_bore_is_unrolled) {
   const Patch bore([](double s, double t) { return Vec3(3 * std::cos(pi * s), -3 * std::sin(pi * s), 0.5 * t); });
   const FaceChart chart(bore.face);
   ASSERT_TRUE(chart.unrolled());
-  EXPECT_NEAR(std::abs(chart.place(bore.points.front())[0] - chart.place(bore.points.back())[0]), 3 * pi, 1e-9);
+  EXPECT_NEAR(std::abs(chart.position(bore.points.front())[0] - chart.position(bore.points.back())[0]), 3 * pi, 1e-9);
 }
 
 }  // namespace

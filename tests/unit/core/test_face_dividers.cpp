@@ -1,4 +1,4 @@
-/// Pieces of boundary are cut where declared faces end: areas and resultants of such faces are those of geometry.
+/// Facets of the boundary are cut where declared faces end: areas and resultants of such faces are those of geometry.
 #include <algorithm>
 #include <random>
 
@@ -10,7 +10,7 @@ namespace cgcontact::test_face_dividers {
 namespace {
 
 /// A solid around the global origin, in a grid of `size` anyhow turned and shifted.
-CutCells placed(const Solid& solid, const FaceSpec& face, double size, std::mt19937& random) {
+CutCells cells_of(const Solid& solid, const FaceSpec& face, double size, std::mt19937& random) {
   std::uniform_real_distribution<double> any(-1, 1);
   Grid grid;
   grid.cell_size = size;
@@ -37,8 +37,8 @@ FaceSums sums_of(const CutCells& cells, const FaceSpec& face) {
   for (std::size_t p = 0; p < points.size(); ++p) {
     const double area = points.weight[p] * grid.cell_size * grid.cell_size;
     sums.whole += area;
-    if (!face.contains(cells.solid.surfaces()[points.surface[p]].names, grid.to_global(points.position_of_piece(p)),
-                       grid.rotation * points.normal_of_piece(p)))
+    if (!face.contains(cells.solid.surfaces()[points.surface[p]].names, grid.to_global(points.position_of_facet(p)),
+                       grid.rotation * points.normal_of_facet(p)))
       continue;
     sums.area += area;
     sums.normal += area * (grid.rotation * points.normal[p]);
@@ -59,15 +59,15 @@ FaceSpec box(const Vec3& min, const Vec3& max) {
 }
 
 // Proves that the cap of a ball within a cone of normals has the area 2 pi r^2 (1 - cos a) and the projection
-// pi r^2 sin^2 a, and that its resultant has no part across, in random grids. The tolerances are those of the rules on
-// curved pieces: 1e-9 from two cells over the radius on, 1e-8 in cells as large as the ball.
+// pi r^2 sin^2 a, and that its resultant has no component across, in random grids. The tolerances are those of the
+// rules on curved surfaces: 1e-9 from two cells over the radius on, 1e-8 in cells as large as the ball.
 TEST(FaceDividers, CapOfABall) {
   std::mt19937 random(1);
   for (const auto& [size, tolerance] : {std::pair(1.1, 1e-8), std::pair(0.47, 1e-9), std::pair(0.26, 1e-9)})
     for (const double angle : {20.0, 60.0, 90.0, 137.0}) {
       const Vec3 axis = Vec3(0.2, -0.3, 1).normalized();
       const FaceSums sums =
-          sums_of(placed(Solid::sphere({0.1, 0.2, 0.3}, 1, "s"), cone(axis, angle), size, random), cone(axis, angle));
+          sums_of(cells_of(Solid::sphere({0.1, 0.2, 0.3}, 1, "s"), cone(axis, angle), size, random), cone(axis, angle));
       const double c = std::cos(angle * pi / 180);
       EXPECT_NEAR(sums.area / (2 * pi * (1 - c)), 1, tolerance) << size << " " << angle;
       EXPECT_NEAR(sums.whole / (4 * pi), 1, tolerance);
@@ -89,11 +89,11 @@ TEST(FaceDividers, SectorOfACylinder) {
     const double half = std::acos(std::cos(angle * pi / 180) / across);
     for (const auto& [name, radius] : {std::pair("outer.side", 1.0), std::pair("bore.side", 0.6)}) {
       face.surfaces = {name};
-      EXPECT_NEAR(sums_of(placed(tube, face, 0.31, random), face).area / (2 * half * radius * 2), 1, 1e-9) << name;
+      EXPECT_NEAR(sums_of(cells_of(tube, face, 0.31, random), face).area / (2 * half * radius * 2), 1, 1e-9) << name;
     }
     face.surfaces = {"outer.top"};
     const double top = std::acos(axis[2]) * 180 / pi < angle ? pi * (1 - 0.36) : 0;
-    EXPECT_NEAR(sums_of(placed(tube, face, 0.31, random), face).area, top, 1e-9);
+    EXPECT_NEAR(sums_of(cells_of(tube, face, 0.31, random), face).area, top, 1e-9);
   }
 }
 
@@ -112,7 +112,7 @@ TEST(FaceDividers, SectorOfACone) {
       const double cosine = (std::cos(angle * pi / 180) - side * s * axis[2]) / (c * across);
       const double half = std::acos(std::clamp(cosine, -1.0, 1.0));  // beyond 1: no normal of the bore is that near
       const double area = half * 1.5 * slant;                        // of the whole: pi (R + r) times the slant height
-      EXPECT_NEAR(sums_of(placed(side > 0 ? outside : bore, face, 0.2, random), face).area, area, 1e-8 * slant)
+      EXPECT_NEAR(sums_of(cells_of(side > 0 ? outside : bore, face, 0.2, random), face).area, area, 1e-8 * slant)
           << angle;
     }
   }
@@ -127,8 +127,8 @@ TEST(FaceDividers, StripOnABlock) {
   const FaceSpec strip = box({3, 1, 5}, {4, 11, 6}), edge = box({-1, 2, -1}, {3, 7, 7});
   for (const double size : {0.7, 1.0, 2.3, 7.1})
     for (const Solid& solid : {csg, triangles}) {
-      EXPECT_NEAR(sums_of(placed(solid, strip, size, random), strip).area, 10, 1e-11) << size;
-      EXPECT_NEAR(sums_of(placed(solid, edge, size, random), edge).area, 5 * 3 + 5 * 3 + 5 * 5, 1e-11) << size;
+      EXPECT_NEAR(sums_of(cells_of(solid, strip, size, random), strip).area, 10, 1e-11) << size;
+      EXPECT_NEAR(sums_of(cells_of(solid, edge, size, random), edge).area, 5 * 3 + 5 * 3 + 5 * 5, 1e-11) << size;
     }
 }
 
@@ -138,7 +138,8 @@ TEST(FaceDividers, ZoneOfABall) {
   std::mt19937 random(4);
   const FaceSpec zone = box({-9, -9, -0.35}, {9, 9, 0.6});
   for (const double size : {0.61, 0.33})
-    EXPECT_NEAR(sums_of(placed(Solid::sphere({0, 0, 0}, 1, "s"), zone, size, random), zone).area, 2 * pi * 0.95, 1e-8);
+    EXPECT_NEAR(sums_of(cells_of(Solid::sphere({0, 0, 0}, 1, "s"), zone, size, random), zone).area, 2 * pi * 0.95,
+                1e-8);
 }
 
 /// Area of a triangle within a box.
@@ -180,7 +181,7 @@ TEST(FaceDividers, FineBallOfTriangles) {
     }
     EXPECT_GT(expected, 0.3);
     for (const double size : {1.1, 0.47, 0.2})
-      EXPECT_NEAR(sums_of(placed(solid, face, size, random), face).area / expected, 1, 1e-9) << size;
+      EXPECT_NEAR(sums_of(cells_of(solid, face, size, random), face).area / expected, 1, 1e-9) << size;
   }
 }
 

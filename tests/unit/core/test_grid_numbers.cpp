@@ -1,4 +1,4 @@
-/// Sparse numbers of cells and nodes against a map of all places, and their memory.
+/// Sparse numbers of cells and nodes against a map of all positions, and their memory.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -19,13 +19,13 @@ struct GridOrder {
 };
 using Numbers = std::map<Index3, int, GridOrder>;
 
-Numbers numbered(Numbers places) {
+Numbers numbered(Numbers positions) {
   int next = 0;
-  for (auto& [place, number] : places) number = next++;
-  return places;
+  for (auto& [position, number] : positions) number = next++;
+  return positions;
 }
 
-/// All places of the extent, and those around it.
+/// All positions of the extent, and those around it.
 void expect_equal(const GridNumbers& numbers, const Index3& extent, const Numbers& expected) {
   EXPECT_EQ(numbers.size(), expected.size());
   for (int k = -1; k <= extent[2]; ++k)
@@ -44,32 +44,32 @@ void expect_equal(const GridNumbers& numbers, const Index3& extent, const Number
           ASSERT_EQ(numbers.bits({i, j, k}) >> bit & 1, numbers.find({i + bit, j, k}) >= 0);
     }
   auto next = expected.begin();
-  numbers.each([&](const Index3& place) {
+  numbers.each([&](const Index3& position) {
     ASSERT_NE(next, expected.end());
-    EXPECT_EQ(place, next->first);
+    EXPECT_EQ(position, next->first);
     ++next;
   });
   EXPECT_EQ(next, expected.end());
 }
 
-TEST(GridNumbers, RandomPlacesOfOddGrids) {
+TEST(GridNumbers, RandomPositionsOfOddGrids) {
   std::mt19937 random(1);
   for (const Index3& extent :
        {Index3{1, 1, 1}, Index3{63, 3, 2}, Index3{64, 2, 3}, Index3{65, 4, 1}, Index3{1, 130, 7}, Index3{200, 5, 9}})
     for (const double share : {0.0, 0.02, 0.5, 1.0}) {
-      std::vector<Index3> places;
+      std::vector<Index3> positions;
       Numbers expected;
       for (int k = 0; k < extent[2]; ++k)
         for (int j = 0; j < extent[1]; ++j)
           for (int i = 0; i < extent[0]; ++i)
             if (std::uniform_real_distribution<double>(0, 1)(random) < share) {
               expected[{i, j, k}] = 0;
-              places.insert(places.end(), 1 + random() % 2, {i, j, k});  // some twice
+              positions.insert(positions.end(), 1 + random() % 2, {i, j, k});  // some twice
             }
       expected = numbered(expected);
-      expect_equal(GridNumbers(extent, places), extent, expected);
-      std::shuffle(places.begin(), places.end(), random);
-      expect_equal(GridNumbers(extent, places), extent, expected);
+      expect_equal(GridNumbers(extent, positions), extent, expected);
+      std::shuffle(positions.begin(), positions.end(), random);
+      expect_equal(GridNumbers(extent, positions), extent, expected);
     }
 }
 
@@ -118,8 +118,8 @@ TEST(GridNumbers, NoneAndOutside) {
   EXPECT_EQ(GridNumbers({3, 3, 3}).find({1, 1, 1}), -1);
   EXPECT_EQ(GridNumbers({3, 3, 3}, {}).corners().size(), 0u);
   GridNumbers numbers({3, 4, 5});
-  for (const Index3& place : {Index3{-1, 0, 0}, Index3{3, 0, 0}, Index3{0, 4, 0}, Index3{0, 0, 5}, Index3{0, 0, -1}})
-    EXPECT_THROW(numbers.insert(place), std::logic_error);
+  for (const Index3& position : {Index3{-1, 0, 0}, Index3{3, 0, 0}, Index3{0, 4, 0}, Index3{0, 0, 5}, Index3{0, 0, -1}})
+    EXPECT_THROW(numbers.insert(position), std::logic_error);
   EXPECT_THROW(numbers.insert_row({2, 0, 0}, 2), std::logic_error);
 }
 

@@ -8,10 +8,10 @@
 namespace cgcontact::test_jump_planes {
 namespace {
 
-const SourcePlace place{"scene.toml", 7, "pressure"};
+const SourceLocation location{"scene.toml", 7, "pressure"};
 
 std::vector<JumpPlane> planes_of(const std::string& text, const Constants& constants = {}) {
-  return jump_planes(Expression(text, place, constants), Vec3(-0.02, -0.03, 0), Vec3(0.04, 0.02, 0.05));
+  return jump_planes(Expression(text, location, constants), Vec3(-0.02, -0.03, 0), Vec3(0.04, 0.02, 0.05));
 }
 
 /// Tells whether the plane normal . x = offset is among them, either way round.
@@ -35,8 +35,8 @@ TEST(JumpPlanes, LinearComparisonsGiveTheirPlanes) {
   EXPECT_EQ(nested.size(), 4u);
 }
 
-// max(|x|, |y|) < c: a square, linear in parts of the box.
-TEST(JumpPlanes, OfPiecesThatAreLinear) {
+// max(|x|, |y|) < c: a square, linear in regions of the box.
+TEST(JumpPlanes, OfPiecewiseLinearValues) {
   const auto square = planes_of("max(abs(x), abs(y)) < 6 mm ? 1 bar : 0");
   EXPECT_EQ(square.size(), 4u);
   for (const double side : {1.0, -1.0}) {

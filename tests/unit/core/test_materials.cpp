@@ -45,8 +45,8 @@ std::string message_of(const std::vector<std::string>& overrides) {
   return "";
 }
 
-void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
+void expect_contains(const std::string& text, const std::vector<std::string>& wanted) {
+  for (const std::string& words : wanted) EXPECT_NE(text.find(words), std::string::npos) << words << "\n  in: " << text;
 }
 
 /// The number at the start of a cell of the table, times a factor; none for a dash.

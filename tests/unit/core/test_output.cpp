@@ -47,16 +47,16 @@ Vec3 position(const CutCells& cells, int cell, const Vec3& xi) {
 }
 
 void add_body(const std::string& name, const CutCells& cells, Results& results) {
-  const CutCells* const place = &cells;
+  const CutCells* const own = &cells;
   BodyFields fields;
   fields.name = name;
-  fields.cut_cells = place;
-  fields.displacement = [place](int cell, const Vec3& xi) {
-    return Vec3(1e-4 * position(*place, cell, xi)[1], 0, -2e-4 * position(*place, cell, xi)[2]);
+  fields.cut_cells = own;
+  fields.displacement = [own](int cell, const Vec3& xi) {
+    return Vec3(1e-4 * position(*own, cell, xi)[1], 0, -2e-4 * position(*own, cell, xi)[2]);
   };
-  fields.stress_recovered = [place](int cell, const Vec3& xi) {
+  fields.stress_recovered = [own](int cell, const Vec3& xi) {
     Sym3 s;
-    s << 1, 2, 3, 4, 5, 1000 * position(*place, cell, xi)[0];
+    s << 1, 2, 3, 4, 5, 1000 * position(*own, cell, xi)[0];
     return s;
   };
   fields.stress_raw = fields.stress_recovered;
@@ -250,7 +250,7 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
     solve.stress_of_body = {0.04};
     solve.named = {0.05, std::nullopt};
   }
-  blocks->results.singular_places = {{"lower", {"base.x+", "base.z+"}, Vec3(1, 2, 3), 0.4, 1e-3}};
+  blocks->results.singular_points = {{"lower", {"base.x+", "base.z+"}, Vec3(1, 2, 3), 0.4, 1e-3}};
   write_results(blocks->results, blocks->scene, out_);
   const auto report = nlohmann::json::parse(read_text(file("report.json")));
   EXPECT_EQ(report["singular_places"], nlohmann::json::array({{{"body", "lower"},
@@ -364,9 +364,9 @@ int check_vtk(const std::string& arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// Rows that come in pieces of any size, also behind earlier ones, are those that come at once: across the borders of
-// the pieces that the file is compressed in.
-TEST_F(output, rows_that_come_piece_by_piece) {
+// Rows that come in chunks of any size, also behind earlier ones, are those that come at once: across the borders of
+// the chunks that the file is compressed in.
+TEST_F(output, rows_that_come_chunk_by_chunk) {
   fs::create_directory(out_);
   HdfFile hdf(file("rows.h5"));
   constexpr std::size_t n = 150000;  // two borders
@@ -399,7 +399,7 @@ TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
   for (const CutCells* body : {&blocks->lower, &blocks->upper}) {
     const ClippedMesh mesh = clip_cells(*body);
     points += mesh.num_points();
-    cells += mesh.num_pieces();
+    cells += mesh.num_polyhedra();
   }
   const int status = check_vtk(fmt::format(
       "{} --points {} --cells {} --volume 48e-9 --tolerance 1e-12 --bounds 0 4e-3 0 3e-3 0 4e-3 "
@@ -537,9 +537,9 @@ TEST_F(output, the_summary_fits_one_screen_whatever_there_is) {
   EXPECT_LE(lines.size(), 24u);
   for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
   const std::string text = summary(results, "out/some/where");
-  for (const char* part : {"DID NOT CONVERGE", "diagnosis:", "more pairs, see the report", "more warnings",
-                           "est. error:", "results in out/some/where:"})
-    EXPECT_NE(text.find(part), std::string::npos) << part;
+  for (const char* words : {"DID NOT CONVERGE", "diagnosis:", "more pairs, see the report", "more warnings",
+                            "est. error:", "results in out/some/where:"})
+    EXPECT_NE(text.find(words), std::string::npos) << words;
 }
 
 TEST_F(output, the_summary_says_whether_the_accuracy_is_reached) {
@@ -547,14 +547,14 @@ TEST_F(output, the_summary_says_whether_the_accuracy_is_reached) {
   Results& results = blocks->results;
   results.accuracy = solves_to_an_accuracy(4, true);
   std::string text = summary(results, out_);
-  for (const char* part : {"solved: two blocks", "reached after 4 solves, 5.0 s: estimated error of the pressure",
-                           "0.783 % (asked: 1 %)", "cells from", "40,000", "125 um"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  for (const char* words : {"solved: two blocks", "reached after 4 solves, 5.0 s: estimated error of the pressure",
+                            "0.783 % (asked: 1 %)", "cells from", "40,000", "125 um"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
   results.accuracy = solves_to_an_accuracy(9, false);
   text = summary(results, out_);
-  for (const char* part :
+  for (const char* words :
        {"solved, but NOT AS ACCURATE AS ASKED: two blocks", "NOT REACHED after 9 solves", "9,876,543"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
   const std::vector<std::string> lines = lines_of(text);
   EXPECT_LE(lines.size(), 24u);
   for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
@@ -574,9 +574,9 @@ TEST_F(output, the_summary_has_units_and_errors_and_says_what_to_open) {
   results.estimated_error_relative = 0.0643;
   write_results(results, blocks->scene, out_);
   const std::string text = summary(results, out_);
-  for (const std::string part :
+  for (const std::string words :
        {"12 N", "0.4 %", "9.4591 MPa", "5 %", "26.46 mm^2", "stress 6.4 % of the energy norm", "all 10 %"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
   EXPECT_NE(text.find("open next: " + out_ + "/report.html\n"), std::string::npos) << text;
   results.pairs[0].active_points = 0;  // nothing is transmitted: no relative errors
   EXPECT_EQ(summary(results, out_).find("0.4 %"), std::string::npos);

@@ -42,7 +42,7 @@ Results small_results() {
   return results;
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
 
 TEST(page, every_section_is_there_with_its_figures) {
   const std::string text = page(small_results(), {});
@@ -77,9 +77,9 @@ TEST(page, texts_of_the_scene_are_escaped) {
   results.supports[0].face = results.balance[0].body = nasty;
   results.pressure_errors[0].zone = results.patches_by_kind[0].first = results.times_s[0].first = nasty;
   results.converged = false;
-  PageParts parts;
-  parts.files = {nasty};
-  const std::string text = page(results, parts);
+  PageContents contents;
+  contents.files = {nasty};
+  const std::string text = page(results, contents);
   EXPECT_FALSE(has(text, "<script"));
   EXPECT_FALSE(has(text, "alert('1')"));
   EXPECT_TRUE(has(text, safe));
@@ -91,23 +91,24 @@ TEST(page, large_pictures_that_the_view_shows_lie_beside_it) {
   const auto write = [&](const std::string& file, std::size_t bytes) {
     write_text((folder / file).string(), std::string(bytes, 'x'));
   };
-  PageParts parts;
-  parts.directory = folder.string();
-  parts.steps = {"step_1.png", "step_2.png"};
-  parts.pressure_maps = {{0, "pressure_map.png", ""}, {0, "pressure_map_2.png", ""}};
+  PageContents contents;
+  contents.directory = folder.string();
+  contents.steps = {"step_1.png", "step_2.png"};
+  contents.pressure_maps = {{0, "pressure_map.png", ""}, {0, "pressure_map_2.png", ""}};
   for (const char* file : {"step_1.png", "step_2.png", "pressure_map.png", "pressure_map_2.png", "conditions.png"})
     write(file, pictures_beside_view / 4);
-  EXPECT_TRUE(pictures_for_view(parts).empty());  // no view
-  parts.view.json = "{}";
-  EXPECT_EQ(pictures_for_view(parts), (std::set<std::string>{"step_1.png", "step_2.png"}));
+  EXPECT_TRUE(pictures_for_view(contents).empty());  // no view
+  contents.view.json = "{}";
+  EXPECT_EQ(pictures_for_view(contents), (std::set<std::string>{"step_1.png", "step_2.png"}));
   write("conditions.png", pictures_beside_view);
-  EXPECT_EQ(pictures_for_view(parts), (std::set<std::string>{"step_1.png", "step_2.png", "conditions.png"}));
+  EXPECT_EQ(pictures_for_view(contents), (std::set<std::string>{"step_1.png", "step_2.png", "conditions.png"}));
   write("pressure_map.png", pictures_beside_view);
-  parts.beside = pictures_for_view(parts);
-  EXPECT_EQ(parts.beside, (std::set<std::string>{"step_1.png", "step_2.png", "conditions.png", "pressure_map_2.png"}));
+  contents.beside = pictures_for_view(contents);
+  EXPECT_EQ(contents.beside,
+            (std::set<std::string>{"step_1.png", "step_2.png", "conditions.png", "pressure_map_2.png"}));
   Results results = small_results();
   results.steps.resize(2);
-  const std::string text = page(results, parts);
+  const std::string text = page(results, contents);
   EXPECT_TRUE(has(text, "their pictures, step_1.png to step_2.png, lie beside this page"));
   EXPECT_TRUE(has(text, "conditions.png lies beside the page"));
   std::filesystem::remove_all(folder);
@@ -117,9 +118,9 @@ TEST(page, nothing_outside_is_referred_to) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "cgcontact-test-page";
   std::filesystem::create_directories(folder);
   write_text((folder / "scene.png").string(), "not really a picture");
-  PageParts parts;
-  parts.directory = folder.string();
-  const std::string text = page(small_results(), parts);
+  PageContents contents;
+  contents.directory = folder.string();
+  const std::string text = page(small_results(), contents);
   EXPECT_TRUE(has(text, "src=\"data:image/png;base64," + base64("not really a picture") + "\""));
   EXPECT_FALSE(has(text, "http"));
   EXPECT_FALSE(has(text, "href"));
@@ -221,7 +222,7 @@ TEST(output_text, integers_are_grouped) {
   EXPECT_EQ(grouped(10056324), "10,056,324");
 }
 
-/// Part of a cylinder about an axis parallel to y: rows of squares of two triangles, normals away from the axis.
+/// Sector of a cylinder about an axis parallel to y: rows of squares of two triangles, normals away from the axis.
 struct CylinderFace {
   std::vector<Vec3> points;
   FaceTriangles face;
@@ -246,20 +247,20 @@ CylinderFace cylinder(double from, double to, double radius, bool bore) {
 TEST(face_chart, cylinders_are_unrolled) {
   for (const bool bore : {false, true})
     for (const double to : {1.5, 5.0}) {
-      CylinderFace part = cylinder(-0.4, to, 0.7, bore);
-      part.face.position = &part.points;
-      const FaceChart chart(part.face);
+      CylinderFace sector = cylinder(-0.4, to, 0.7, bore);
+      sector.face.position = &sector.points;
+      const FaceChart chart(sector.face);
       ASSERT_TRUE(chart.unrolled());
       EXPECT_EQ(chart.mirrored(), bore);
-      const double arc = std::abs(chart.place(part.points.front())[0] - chart.place(part.points.back())[0]);
+      const double arc = std::abs(chart.position(sector.points.front())[0] - chart.position(sector.points.back())[0]);
       EXPECT_NEAR(arc, 0.7 * (to + 0.4), 1e-9);
-      EXPECT_NEAR(chart.place(part.points[1])[1] - chart.place(part.points[0])[1], 0.1, 1e-12);
+      EXPECT_NEAR(chart.position(sector.points[1])[1] - chart.position(sector.points[0])[1], 0.1, 1e-12);
       EXPECT_EQ(chart.up_name(), "y");
       // Triangles as seen on paper are counterclockwise, unless it is mirrored.
-      for (const auto& t : part.face.triangles) {
-        const Vec3 centre = (part.points[t[0]] + part.points[t[1]] + part.points[t[2]]) / 3;
+      for (const auto& t : sector.face.triangles) {
+        const Vec3 centre = (sector.points[t[0]] + sector.points[t[1]] + sector.points[t[2]]) / 3;
         Vec3 p[3];
-        for (int v = 0; v < 3; ++v) p[v] = chart.place(part.points[t[v]], centre);
+        for (int v = 0; v < 3; ++v) p[v] = chart.position(sector.points[t[v]], centre);
         EXPECT_EQ((p[1] - p[0]).cross(p[2] - p[0])[2] > 0, !bore);
       }
     }
@@ -272,7 +273,7 @@ TEST(face_chart, flat_faces_are_seen_along_their_axis) {
   EXPECT_FALSE(chart.unrolled());
   EXPECT_FALSE(chart.mirrored());
   EXPECT_EQ(chart.right_name() + chart.up_name(), "xz");
-  EXPECT_LT((chart.place(points[1]) - Vec3(2, 0, -5)).norm(), 1e-15);
+  EXPECT_LT((chart.position(points[1]) - Vec3(2, 0, -5)).norm(), 1e-15);
   face.triangles[0] = {0, 2, 1};
   EXPECT_TRUE(FaceChart(face).mirrored());
 }

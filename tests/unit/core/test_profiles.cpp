@@ -32,9 +32,9 @@ struct Polygon {
   explicit Polygon(const std::vector<Vec2>& x) {
     for (std::size_t k = 0; k < x.size(); ++k) {
       const Vec2 &a = x[k], &b = x[(k + 1) % x.size()];
-      const double part = (a[0] * b[1] - a[1] * b[0]) / 2, length = (b - a).norm();
-      area += part;
-      area_moment += part * (a[0] + b[0]) / 3;
+      const double term = (a[0] * b[1] - a[1] * b[0]) / 2, length = (b - a).norm();
+      area += term;
+      area_moment += term * (a[0] + b[0]) / 3;
       perimeter += length;
       line_moment += length * (a[0] + b[0]) / 2;
     }
@@ -184,7 +184,7 @@ TEST(Profiles, faces_have_the_names_of_their_edges) {
 }
 
 // Lines through a cone: at the radii that belong to their heights, with the normal of the cone; the half beyond the tip
-// is no part of it.
+// does not belong to it.
 TEST(Profiles, lines_meet_cones) {
   const Solid cone = Solid::cone({0, 0, 0}, {0, 0, 4}, 2, 0, "c");
   std::vector<Crossing> found;
@@ -251,8 +251,8 @@ TEST(Profiles, nonsense_is_refused) {
     }
     return "";
   };
-  const auto contains = [](const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
+  const auto contains = [](const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find(words), std::string::npos) << words << "\n  in: " << text;
   };
   contains(message([] { Solid::cone({0, 0, 0}, {0, 0, 1}, 1, 1, "c"); }), "two different radii");
   contains(message([] { Solid::cone({0, 0, 0}, {0, 0, 0}, 1, 2, "c"); }), "different centres");

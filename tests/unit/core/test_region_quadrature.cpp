@@ -110,7 +110,7 @@ TEST(Regions, Circles) {
   EXPECT_NEAR(TestRegion({circle(0.5, 0.35, 0.3), circle(0.5, 0.65, 0.3)}, {0, 1, 1, 1}).area(rule),
               2 * pi * 0.09 - lens, 1e-12);
   EXPECT_NEAR(TestRegion({circle(0.3, 0.5, 0.2), circle(0.7, 0.5, 0.2)}, {0, 1, 1, 1}).area(rule), 0.08 * pi, 1e-12);
-  // a disc without its part beyond a diagonal line
+  // a disc without its segment beyond a diagonal line
   EXPECT_NEAR(TestRegion({circle(0.5, 0.5, 0.3), Conic{-1, 1, 1}}, {0, 0, 0, 1}).area(rule), 0.045 * pi, 1e-12);
 }
 

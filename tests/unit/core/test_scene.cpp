@@ -26,8 +26,8 @@ std::string message_of(const std::string& file, const std::vector<std::string>& 
   return "";
 }
 
-void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
+void expect_contains(const std::string& text, const std::vector<std::string>& wanted) {
+  for (const std::string& words : wanted) EXPECT_NE(text.find(words), std::string::npos) << words << "\n  in: " << text;
 }
 
 /// A scene file for one test, removed afterwards.
@@ -239,7 +239,7 @@ TEST(Scene, every_scene_of_the_program_is_good) {
   EXPECT_GE(count, 6);
 }
 
-/// Bodies, their faces, regions and parts of shapes: the same scene as written out by hand, line by line.
+/// Bodies, their faces, regions and operands of shapes: the same scene as written out by hand, line by line.
 TEST(Scene, copies_are_what_they_would_be_written_out) {
   const TemporaryScene copied(R"toml([parameters]
 Z = 3
@@ -360,7 +360,7 @@ cell_size = 1
 
 /// Every file in tests/bad_scenes says in "# expect: text" lines what the message must contain; those of the stage
 /// "solve" are found bad later, when there are grids.
-TEST(Scene, bad_scenes_give_one_message_with_place_key_value_and_range) {
+TEST(Scene, bad_scenes_give_one_message_with_location_key_value_and_range) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(root / "tests" / "bad_scenes")) {
     std::ifstream stream(entry.path());
@@ -544,7 +544,7 @@ TEST(Scene, degree_of_the_recovery_is_one_number_or_a_table) {
   expect_contains(message_of(scene_file("rings.toml"), {"recovery.rings=5"}), {"an integer from 0 to 4"});
 }
 
-// A plain number in the place of "0.08 mm" is in m, also where other parameters use it; an angle stays in degrees.
+// A plain number instead of "0.08 mm" is in m, also where other parameters use it; an angle stays in degrees.
 TEST(Overrides, numbers_have_the_si_unit_of_the_parameter_that_they_replace) {
   const std::string text = R"(
 parameters = {c = "0.08 mm", d = "2*c + 1 mm", n = 3, w = "3000 rpm", tilt = "30 deg"}
@@ -598,10 +598,10 @@ TEST(Overrides, the_last_one_counts) {
 
 TEST(Overrides, mistakes_name_the_option) {
   const std::string file = scene_file("two_solids.toml");
-  const auto expect_message = [&](const std::string& option, const std::vector<std::string>& parts) {
+  const auto expect_message = [&](const std::string& option, const std::vector<std::string>& wanted) {
     const std::string message = message_of(file, {option});
     EXPECT_EQ(message.rfind("--set " + option + ": ", 0), 0u) << message;
-    expect_contains(message, parts);
+    expect_contains(message, wanted);
   };
   expect_message("body.uper.cell_size=1", {"no element \"uper\"", "did you mean \"upper\"?"});
   expect_message("body.upper.cel_size=1", {"unknown key \"cel_size\"", "did you mean \"cell_size\"?"});

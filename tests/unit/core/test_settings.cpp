@@ -149,7 +149,7 @@ TEST(Settings, ValuesOutOfRangeAreNamedWithTheirRange) {
             "recovery.balance.mean_wrong = 0.06: out of range (allowed: > recovery.balance.mean_exact)");
   EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.lost_force = 2; }),
             "results.lost_force = 2: out of range (allowed: > 0 and < 1)");
-  EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.least_cells_on_face = 0; }),
+  EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.min_cells_on_face = 0; }),
             "results.least_cells_on_face = 0: out of range (allowed: > 0 cells)");
   EXPECT_EQ(refusal<OutputOptions>([](OutputOptions& o) {
               o.path = {Vec3::Zero(), Vec3::Zero()};

@@ -1,4 +1,4 @@
-/// Wanted sizes around places, against a plain loop over all of them.
+/// Wanted sizes around positions, against a plain loop over all of them.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -34,9 +34,9 @@ TEST(Steps, FactorsOfEverythingOrOfEachKind) {
 }
 
 TEST(Steps, NonsenseIsNamed) {
-  const auto expect = [](const std::vector<std::string>& overrides, const std::string& part) {
+  const auto expect = [](const std::vector<std::string>& overrides, const std::string& words) {
     const std::string text = message(overrides);
-    EXPECT_NE(text.find(part), std::string::npos) << text;
+    EXPECT_NE(text.find(words), std::string::npos) << text;
   };
   expect({"steps.factors=[]"}, "has 0 factors");
   expect({"steps.factors=[0.5, 0.9]"}, "does not end with 1");

@@ -73,14 +73,14 @@ TEST(TriangleCells, DegeneratePositions) {
         }
 }
 
-// Proves the same for bodies of several shells, cavities and parts apart, and for coordinates in single precision,
-// which leave no face flat and no two triangles coplanar.
+// Proves the same for bodies of several shells, cavities and separate components, and for coordinates in single
+// precision, which leave no face flat and no two triangles coplanar.
 TEST(TriangleCells, ShellsAndSinglePrecision) {
   TriangleSoup shells = test::box_soup({0, 0, 0}, {4, 4, 4});
-  const auto add = [&](TriangleSoup part, bool inward) {
+  const auto add = [&](TriangleSoup added, bool inward) {
     const int first = static_cast<int>(shells.points.size());
-    shells.points.insert(shells.points.end(), part.points.begin(), part.points.end());
-    for (Triangle t : part.triangles) {
+    shells.points.insert(shells.points.end(), added.points.begin(), added.points.end());
+    for (Triangle t : added.triangles) {
       if (inward) std::swap(t[0], t[1]);
       shells.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     }
@@ -126,7 +126,7 @@ TEST(TriangleCells, BoxEqualsCsgBox) {
 
 // Proves that a fine surface has a bounded number of points in every cell, however many triangles (6 on each of 32
 // planes, 29 in all where there are more, which is so on 0.3 of a cell's face of 120 rings), and that area, force and
-// moment of a pressure stay exact (1e-11), and the second moments of the area those of the facets (1e-3: pieces below
+// moment of a pressure stay exact (1e-11), and the second moments of the area those of the facets (1e-3: those below
 // 1/128 of a cell have one point before they are compressed).
 TEST(TriangleCells, PointsOfFineSurfacesAreBounded) {
   for (const int rings : {40, 120}) {

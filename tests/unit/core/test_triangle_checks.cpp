@@ -18,10 +18,10 @@ std::string message_of(TriangleSoup soup) {
   return "";
 }
 
-void expect_message(const TriangleSoup& soup, const std::vector<std::string>& parts) {
+void expect_message(const TriangleSoup& soup, const std::vector<std::string>& words) {
   const std::string message = message_of(soup);
-  for (const std::string& part : parts)
-    EXPECT_NE(message.find(part), std::string::npos) << part << "\n  in: " << message;
+  for (const std::string& word : words)
+    EXPECT_NE(message.find(word), std::string::npos) << word << "\n  in: " << message;
 }
 
 double volume_of(const TriangleSoup& soup) {
@@ -91,7 +91,7 @@ TEST(TriangleChecks, SmallDefectsAreRepaired) {
   EXPECT_EQ(needle.triangles.size(), 14u);
 }
 
-// Proves that everything else is refused, with the kind of defect and its place.
+// Proves that everything else is refused, with the kind of defect and its location.
 TEST(TriangleChecks, OtherDefectsAreRefused) {
   TriangleSoup open = cube();
   open.triangles.pop_back();

@@ -41,9 +41,9 @@ std::string message_of(const std::string& extension, const std::string& bytes) {
   return "";
 }
 
-void expect_message(const std::string& extension, const std::string& bytes, const std::string& part) {
+void expect_message(const std::string& extension, const std::string& bytes, const std::string& words) {
   const std::string message = message_of(extension, bytes);
-  EXPECT_NE(message.find(part), std::string::npos) << part << "\n  in: " << message;
+  EXPECT_NE(message.find(words), std::string::npos) << words << "\n  in: " << message;
 }
 
 std::string facet(const std::string& a, const std::string& b, const std::string& c) {
@@ -146,7 +146,7 @@ TEST(TriangleReader, PolygonsAndLines) {
   const TemporaryFile file(".obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\nf 1 2 3 4\n");
   const TriangleSoup soup = read_triangles(file.name());
   ASSERT_EQ(soup.triangles.size(), 2u);
-  EXPECT_EQ(soup.place(1), "triangle 1 (line 6) at (0.333333, 0.666667, 0)");
+  EXPECT_EQ(soup.location(1), "triangle 1 (line 6) at (0.333333, 0.666667, 0)");
 }
 
 // Proves that OFF is read with comments, counts behind the header, colours and normals, and that inward corners are.

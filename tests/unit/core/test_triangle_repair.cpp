@@ -37,7 +37,7 @@ SurfaceRepair repaired(TriangleSoup soup, double volume) {
       InputError);
   const SurfaceRepair repair = repair_surface(soup, "part.stl");
   EXPECT_EQ(repair.is_new.size(), soup.triangles.size());
-  EXPECT_NO_THROW(check_parted(soup, "part.stl"));
+  EXPECT_NO_THROW(check_separated(soup, "part.stl"));
   EXPECT_NEAR(repair.volume_after, volume, 1e-9 * volume);
   return repair;
 }
@@ -125,13 +125,13 @@ TEST(TriangleRepair, ShellThatCrossesItself) {
     const SurfaceRepair repair = repair_surface(soup, "part.stl");
     EXPECT_EQ(repair.untangled, 1);
     EXPECT_GT(repair.volume_after, 0);
-    EXPECT_NO_THROW(check_parted(soup, "part.stl"));
+    EXPECT_NO_THROW(check_separated(soup, "part.stl"));
   } catch (const InputError& error) {  // refused clearly is the other right answer
     EXPECT_NE(std::string(error.what()).find("repair = true does not help"), std::string::npos) << error.what();
   }
 }
 
-// Proves that the union of four boxes that cross in many places is exact, also where no face is along an axis.
+// Proves that the union of four boxes that cross at many edges is exact, also where no face is along an axis.
 TEST(TriangleRepair, CrossingsAreCutExactly) {
   const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
   for (const bool turned : {false, true}) {

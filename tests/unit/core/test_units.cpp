@@ -10,7 +10,7 @@
 namespace cgcontact::test_units {
 namespace {
 
-const SourcePlace place{"scene.toml", 7, "key"};
+const SourceLocation location{"scene.toml", 7, "key"};
 
 /// A block whose values the tests replace; the file itself is never read.
 Scene block(const std::vector<std::string>& overrides) {
@@ -47,8 +47,8 @@ std::string message_of_block(const std::string& change) {
 // Numbers beyond those of double precision, with a unit: a message, as without one.
 TEST(Units, numbers_that_are_too_large_or_too_small) {
   for (const char* text : {"1e999 mm", "1e308 km"})
-    expect_contains(message_of([&] { evaluate_constant(text, place); }), {text, "not finite"});
-  EXPECT_EQ(evaluate_constant("1e-999 mm", place).value, 0);
+    expect_contains(message_of([&] { evaluate_constant(text, location); }), {text, "not finite"});
+  EXPECT_EQ(evaluate_constant("1e-999 mm", location).value, 0);
 }
 
 TEST(Units, numbers_with_units_are_those_of_the_si_to_the_last_bit) {
@@ -71,17 +71,17 @@ TEST(Units, numbers_with_units_are_those_of_the_si_to_the_last_bit) {
                                                   {"90\u00b0", 3.14159265358979323846 / 2},
                                                   {"10 m/s^2", 10},
                                                   {"-3 mm", -0.003}};
-  for (const auto& [text, value] : cases) EXPECT_EQ(evaluate_constant(text, place).value, value) << text;
-  EXPECT_DOUBLE_EQ(evaluate_constant("3000 rpm", place).value, 3000 * 2 * 3.14159265358979323846 / 60);
-  EXPECT_DOUBLE_EQ(evaluate_constant("1 psi", place).value, 4.4482216152605 / (0.0254 * 0.0254));
+  for (const auto& [text, value] : cases) EXPECT_EQ(evaluate_constant(text, location).value, value) << text;
+  EXPECT_DOUBLE_EQ(evaluate_constant("3000 rpm", location).value, 3000 * 2 * 3.14159265358979323846 / 60);
+  EXPECT_DOUBLE_EQ(evaluate_constant("1 psi", location).value, 4.4482216152605 / (0.0254 * 0.0254));
 }
 
 // F/(20 mm)^2, roots and conditions have the dimension that algebra gives them.
 TEST(Units, expressions_have_dimensions) {
   const Constants constants{
-      {"d", evaluate_constant("20 mm", place)}, {"F", evaluate_constant("500 N", place)}, {"n", 4}};
+      {"d", evaluate_constant("20 mm", location)}, {"F", evaluate_constant("500 N", location)}, {"n", 4}};
   const auto dimension = [&](const char* text) {
-    const Quantity q = evaluate_constant(text, place, constants);
+    const Quantity q = evaluate_constant(text, location, constants);
     return q.dimension ? name_of(*q.dimension) : "none";
   };
   EXPECT_EQ(dimension("2*d"), "a length");
@@ -95,14 +95,16 @@ TEST(Units, expressions_have_dimensions) {
   EXPECT_EQ(dimension("(3000 rpm)^2*d"), "an acceleration");
   EXPECT_EQ(dimension("0.01/n"), "none");
   EXPECT_EQ(dimension("d - d"), "none") << "zero has any dimension";
-  EXPECT_DOUBLE_EQ(evaluate_constant("sin(30 deg)", place), 0.5);
+  EXPECT_DOUBLE_EQ(evaluate_constant("sin(30 deg)", location), 0.5);
   EXPECT_EQ(identifiers("20 mm*n + 5 N/mm^2*t"), (std::vector<std::string>{"n", "mm", "t"}))
       << "mm and t may be meant as parameters";
 }
 
 TEST(Units, what_does_not_fit_is_refused) {
-  const Constants constants{{"d", evaluate_constant("20 mm", place)}, {"t", 3}};
-  const auto message = [&](const char* text) { return message_of([&] { evaluate_constant(text, place, constants); }); };
+  const Constants constants{{"d", evaluate_constant("20 mm", location)}, {"t", 3}};
+  const auto message = [&](const char* text) {
+    return message_of([&] { evaluate_constant(text, location, constants); });
+  };
   expect_contains(message("d + 3 N"), {"scene.toml:7: key = \"d + 3 N\"", "different dimensions: a length + a force"});
   expect_contains(message("d + 0.001"),
                   {"different dimensions", "with d = 0.02", "a number without one is a pure number"});
@@ -140,8 +142,8 @@ TEST(Units, what_does_not_fit_is_refused) {
   expect_contains(message_of([] { parse_scene("[parameters]\na = \"5 N/t\"\nt = 3\n", "late.toml"); }),
                   {"late.toml:2: parameters.a = \"5 N/t\": \"t\" is a parameter and a unit"});
   expect_contains(message("mm"), {"unknown name \"mm\": a unit stands behind a number"});
-  EXPECT_EQ(evaluate_constant("(6 N)/t", place, constants).value, 2);
-  EXPECT_EQ(evaluate_constant("5 t", place, constants).value, 5000) << "nothing but a unit stands behind a number";
+  EXPECT_EQ(evaluate_constant("(6 N)/t", location, constants).value, 2);
+  EXPECT_EQ(evaluate_constant("5 t", location, constants).value, 5000) << "nothing but a unit stands behind a number";
 }
 
 TEST(Units, keys_take_their_dimension_and_no_other) {

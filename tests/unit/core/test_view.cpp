@@ -156,9 +156,9 @@ TEST(view, boundary_and_fields_are_those_of_the_drawn_body) {
   }
   EXPECT_NEAR(volume, drawn[0].mesh.volume() * std::pow(0.25, 3), 1e-4 * volume);
   for (std::size_t p = 0; p < x.size() / 3; ++p) {
-    const Vec3 place = Eigen::Map<const Vec3>(&x[3 * p]);
-    EXPECT_LT((Eigen::Map<const Vec3>(&u[3 * p]) - displacement_at(place)).norm(), 2e-7);
-    EXPECT_LT((Eigen::Map<const Sym3>(&s[6 * p]) - stress_at(place)).norm(), 200);
+    const Vec3 position = Eigen::Map<const Vec3>(&x[3 * p]);
+    EXPECT_LT((Eigen::Map<const Vec3>(&u[3 * p]) - displacement_at(position)).norm(), 2e-7);
+    EXPECT_LT((Eigen::Map<const Sym3>(&s[6 * p]) - stress_at(position)).norm(), 200);
   }
 }
 

@@ -13,7 +13,7 @@ constexpr double unit_radius = 0.8;
 
 /// Quarter of a disc between the radii `bore` and `rim`: a half ball, or a ring of that section. Refined towards its
 /// upper end, down to an eighth of the cells 1/n.
-CutCells quadtree(int across, double rim, double bore, int n = 6, int parts = 8) {
+CutCells quadtree(int across, double rim, double bore, int n = 6, int divisions = 8) {
   const int radial = (across + 2) % 3, along = (across + 1) % 3;
   const double h = 1.0 / n;
   Grid grid;
@@ -24,7 +24,7 @@ CutCells quadtree(int across, double rim, double bore, int n = 6, int parts = 8)
   grid.num_cells[radial] = static_cast<int>(std::ceil(rim * n)) + 2;
   grid.origin[along] = -h * (std::sqrt(3.0) - 1.5);
   grid.origin[across] = -0.5 * h;
-  grid.slice = h / parts;
+  grid.slice = h / divisions;
   grid.unit_radius = unit_radius;
   grid.thickness = 2 * pi * unit_radius;
   Vec3 low = Vec3::Zero(), high = Vec3::Constant(2 * rim), base = Vec3::Zero(), top = Vec3::Zero();
@@ -32,8 +32,8 @@ CutCells quadtree(int across, double rim, double bore, int n = 6, int parts = 8)
   high[across] = top[across] = 3 * h;
   low[radial] = base[radial] = top[radial] = bore;
   const Solid solid = Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, rim - bore, "rim"));
-  return cut_refined(solid, grid, (rim - bore) * Vec3::Unit(along) + bore * Vec3::Unit(radial), 1.0 / parts, 0.3,
-                     parts);
+  return cut_refined(solid, grid, (rim - bore) * Vec3::Unit(along) + bore * Vec3::Unit(radial), 1.0 / divisions, 0.3,
+                     divisions);
 }
 
 struct Body {
@@ -90,9 +90,9 @@ TEST(Axisymmetric, OnTheAxisNothingMovesAwayFromIt) {
   const RealView x = consistent(system, random_vector(system.num_dofs(), 4));
   int on_axis = 0;
   for (int n = 0; n < system.num_nodes; ++n) {
-    const Vec3 place = cells.grid.to_global(system.meshes[0].node_position(n));
+    const Vec3 position = cells.grid.to_global(system.meshes[0].node_position(n));
     EXPECT_EQ(x(dof_of(n, 1)), 0);
-    if (std::abs(place[0]) > 1e-12) continue;
+    if (std::abs(position[0]) > 1e-12) continue;
     ++on_axis;
     EXPECT_EQ(x(dof_of(n, 0)), 0);
   }

@@ -108,13 +108,13 @@ TEST(DofMap, ConstraintsAreAdjoint) {
   }
 }
 
-/// Nodes that equal one master of their own, or one that others depend on as well, or that are but part of a sum; with
-/// degrees of freedom that are zero.
-TEST(DofMap, TwinsAndZerosAreAdjoint) {
+/// Nodes that equal one master of their own, or one that others depend on as well, or that are but one term of a sum;
+/// with degrees of freedom that are zero.
+TEST(DofMap, AcrossNodesAndZerosAreAdjoint) {
   const std::vector<NodeConstraint> constraints{
       {1, {{0, 1.0}}}, {3, {{2, 1.0}}}, {4, {{2, 0.5}, {5, 0.5}}}, {7, {{6, 1.0}, {8, 0.5}}}, {9, {{8, 1.0}}}};
   const DofMap dofs(10, constraints, {0, 3, 8, 11});
-  EXPECT_EQ(dofs.twins().extent(0), 1u);
+  EXPECT_EQ(dofs.across_nodes().extent(0), 1u);
   EXPECT_EQ(dofs.num_constrained_nodes(), 5);
   expect_adjoint(dofs, 4);
   const RealView x = test::random_vector(dofs.num_dofs(), 5), before = copy_of(x);

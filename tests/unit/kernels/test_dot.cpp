@@ -26,13 +26,13 @@ double in_blocks(const View& x, const View& y) {
   const int n = static_cast<int>(x.extent(0));
   double total = 0;
   for (int begin = 0; begin < n; begin += block) {
-    double part[lanes] = {}, sum = 0;
+    double lane_sums[lanes] = {}, sum = 0;
     const int end = std::min(n, begin + block);
     int i = begin;
     for (; i + lanes <= end; i += lanes)
-      for (int l = 0; l < lanes; ++l) part[l] += static_cast<double>(x(i + l)) * y(i + l);
+      for (int l = 0; l < lanes; ++l) lane_sums[l] += static_cast<double>(x(i + l)) * y(i + l);
     for (; i < end; ++i) sum += static_cast<double>(x(i)) * y(i);
-    for (const double p : part) sum += p;
+    for (const double p : lane_sums) sum += p;
     total += sum;
   }
   return total;

@@ -32,10 +32,10 @@ template <int degree>
 void expect_shape_functions() {
   using Element = HexElement<degree>;
   const auto node = [](int a, double x[3]) {
-    for (int d = 0; d < 3; ++d) x[d] = -1 + 2.0 * Element::place(a, d) / degree;
+    for (int d = 0; d < 3; ++d) x[d] = -1 + 2.0 * Element::index_along(a, d) / degree;
   };
   for (int a = 0; a < Element::num_nodes; ++a) {
-    EXPECT_EQ(Element::node(Element::place(a, 0), Element::place(a, 1), Element::place(a, 2)), a);
+    EXPECT_EQ(Element::node(Element::index_along(a, 0), Element::index_along(a, 1), Element::index_along(a, 2)), a);
     double x[3], N[Element::num_nodes];
     node(a, x);
     Element::shape(x, N);
@@ -94,7 +94,7 @@ TEST(Elements, DegreeOneIsTheSystems) {
   const ElasticSystem system = make_elastic_system({&cc}, {Material{2.0, 0.3}}, Scales{1.0, 1.0}, 0.01);
   const PlainOperator<1> plain(system);
   EXPECT_EQ(plain.dofs().num_dofs(), system.num_dofs());
-  EXPECT_EQ(plain.nodes(0).places, system.meshes[0].nodes);
+  EXPECT_EQ(plain.nodes(0).positions, system.meshes[0].nodes);
   EXPECT_EQ(plain.nodes(0).of_cell, system.meshes[0].cell_nodes);
 }
 
@@ -124,10 +124,10 @@ struct QuadraticField {
 template <int degree>
 RealView nodal_values(const PlainOperator<degree>& plain, const Grid& grid, const QuadraticField& field) {
   RealView u("u", plain.dofs().num_dofs());
-  const auto& places = plain.nodes(0).places;
-  for (std::size_t n = 0; n < places.size(); ++n) {
-    const Vec3 value =
-        grid.rotation.transpose() * field(grid.to_global(Vec3(places[n][0], places[n][1], places[n][2]) / degree));
+  const auto& positions = plain.nodes(0).positions;
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    const Vec3 value = grid.rotation.transpose() *
+                       field(grid.to_global(Vec3(positions[n][0], positions[n][1], positions[n][2]) / degree));
     for (int i = 0; i < 3; ++i) u(dof_of(static_cast<int>(n), i)) = value[i];
   }
   return u;
@@ -227,11 +227,11 @@ TEST(QuadraticElements, SymmetryRigidMotionsAndGhostPenalty) {
   EXPECT_NEAR(dot(Ax, y), dot(x, Ay), 1e-12 * norm(Ax) * norm(y));
   // A turn about z through node (0, 0, 0), grid axes.
   RealView turn("turn", n), cubic("cubic", n);
-  const auto& places = bare.nodes(0).places;
-  for (std::size_t m = 0; m < places.size(); ++m) {
-    turn(dof_of(static_cast<int>(m), 0)) = -0.5 * places[m][1];
-    turn(dof_of(static_cast<int>(m), 1)) = 0.5 * places[m][0];
-    cubic(dof_of(static_cast<int>(m), 0)) = std::pow(0.1 * places[m][0], 3);
+  const auto& positions = bare.nodes(0).positions;
+  for (std::size_t m = 0; m < positions.size(); ++m) {
+    turn(dof_of(static_cast<int>(m), 0)) = -0.5 * positions[m][1];
+    turn(dof_of(static_cast<int>(m), 1)) = 0.5 * positions[m][0];
+    cubic(dof_of(static_cast<int>(m), 0)) = std::pow(0.1 * positions[m][0], 3);
   }
   EXPECT_LT(norm(apply(bare, turn)), 1e-12 * norm(turn));
   // The penalty is zero on quadratic fields (EnergyOfAQuadraticFieldIsExact) and not on cubic ones.

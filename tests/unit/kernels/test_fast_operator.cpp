@@ -1,5 +1,5 @@
-/// The fast operator against its plain twin (apply.hpp) on bodies that fit the grid, do not, are thin, have holes, or
-/// are random sets of cells.
+/// The fast operator against its plain reference (apply.hpp) on bodies that fit the grid, do not, are thin, have holes,
+/// or are random sets of cells.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -265,7 +265,7 @@ TEST(FastOperator, SlabsOfOneColourShareNoNode) {
                  third = whole_cells({31, 2, 3}, 0);
   const Material material{1.0, 0.3};
   const ElasticSystem system = make_elastic_system({&first, &second, &third}, {material, material, material}, {}, 0.01);
-  const SlabPartition slabs = make_slabs(system.parts());
+  const SlabPartition slabs = make_slabs(system.level_meshes());
   EXPECT_GT(slabs.colour_of_slab.size(), 20u);
   std::vector<std::array<int, 2>> owner(system.num_nodes, {-1, -1});
   for (int b = 0; b < 3; ++b) {

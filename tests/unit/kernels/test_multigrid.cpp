@@ -224,8 +224,8 @@ TEST(Coarsening, ContactRowsAreWeightedMeans) {
   const auto check = [&](const RowCoarsening::Present& coarse) {
     std::map<std::array<int, 2>, std::array<double, 4>> sums;  // cell, family: of k, k r P x, and the same closed
     for (std::size_t r = 0; r < fine.size(); ++r) {
-      const CoarseCells::Place place = CoarseCells(levels.fine, levels.coarse).of(0, fine[r].cell);
-      auto& sum = sums[{place.cell, fine[r].family}];
+      const CoarseCells::CoarseCell to_cell = CoarseCells(levels.fine, levels.coarse).of(0, fine[r].cell);
+      auto& sum = sums[{to_cell.cell, fine[r].family}];
       sum[0] += present.stiffness[r];
       sum[1] += present.stiffness[r] * product(fine[r], Px);
       sum[2] += present.full_stiffness[r];

@@ -141,7 +141,7 @@ TEST(Operator, SizeBelongsToTheCell) {
 }
 
 /// Bit for bit: every entry is the sum of the same numbers in the same order.
-TEST(Operator, AssembledMatrixEqualsItsPlainTwin) {
+TEST(Operator, AssembledMatrixEqualsItsPlainReference) {
   const Case c = cases()[1];
   const CutCells first = test::cut(c.solid, test::odd_grid(7, c.angle));
   const CutCells second = test::cut(cases()[2].solid, test::odd_grid(5, 0.2));

@@ -18,7 +18,7 @@ struct Body {
   CutCells cells;
 };
 
-/// A prism between the planes 0 and `thickness` (cells) of an axis: part of a ring, cut everywhere by round sides.
+/// A prism between the planes 0 and `thickness` (cells) of an axis: sector of a ring, cut everywhere by round sides.
 CutCells ring(int axis, double thickness, int n) {
   const double h = 1.0 / n, t = thickness * h;
   Vec3 low = Vec3::Zero(), high = Vec3::Ones(), base = Vec3::Zero(), top = Vec3::Zero();
@@ -80,7 +80,7 @@ TEST(PlaneStrain, AThirdOfTheUnknowns) {
   }
 }
 
-/// P^T A P of the slab, by the fast operator, its plain twin and the matrix.
+/// P^T A P of the slab, by the fast operator, its plain reference and the matrix.
 TEST(PlaneStrain, SystemIsTheSlabRestricted) {
   for (const Body& body : bodies()) {
     ElasticSystem system = make_system(body.cells);

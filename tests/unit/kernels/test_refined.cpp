@@ -86,7 +86,7 @@ TEST(Refined, ConsistentFieldsAreContinuous) {
   }
 }
 
-TEST(Refined, FastOperatorEqualsItsPlainTwin) {
+TEST(Refined, FastOperatorEqualsItsPlainReference) {
   for (const Body& body : bodies()) {
     ElasticSystem system = make_system(body.cells);
     std::vector<SupportTerm> terms;
@@ -125,10 +125,10 @@ TEST(Refined, GhostPenaltyReachesAcrossLevels) {
   for (const Body& body : bodies()) {
     const ElasticSystem with = make_system(body.cells, 1.0);
     std::size_t faces = 0;
-    for (const BodyMesh* part : with.parts()) faces += part->level_faces.size();
+    for (const BodyMesh* level : with.level_meshes()) faces += level->level_faces.size();
     EXPECT_GT(faces, 3u) << body.name;
     ElasticSystem without = with;
-    for (BodyMesh& part : without.meshes[0].parts) part.level_faces.clear();
+    for (BodyMesh& level : without.meshes[0].level_meshes) level.level_faces.clear();
     const RealView u = nodal_field(with, linear);
     EXPECT_LT(norm(difference(apply(with, u), apply(without, u))), 1000 * eps * norm(apply(with, u)));
     const RealView bent =
@@ -159,7 +159,7 @@ TEST(Refined, CoarseningIsTheGalerkinProduct) {
   }
 }
 
-/// Two bodies, one refined to 8 levels towards a point of its surface, held weakly at one side, one in one piece.
+/// Two bodies, one refined to 8 levels towards a point of its surface, held weakly at one side, one of one level.
 TEST(Refined, FewIterationsWithManyLevels) {
   for (const double angle : {0.0, 0.2, 0.6})
     for (const double contrast : {1.0, 1e3, 1e-3}) {

@@ -52,10 +52,11 @@ struct Problem {
     add_support_terms(system, b, terms);
   }
 
-  /// Of cells of the first body, and where there is another of its cells in any order: rows that no rank owns alone.
+  /// Adds rows of cells of the first body, and of another of its cells in any order where there is one: rows that no
+  /// rank owns alone.
   void add_rows() {
     std::vector<GroupRow> rows;
-    const std::vector<const BodyMesh*> parts = system.parts();
+    const std::vector<const BodyMesh*> parts = system.level_meshes();
     const auto entries_of = [&](const BodyMesh& part, int cell, double sign, GroupRow& row) {
       for (const int node : part.cell_nodes[cell])
         for (int i = 0; i < 3; ++i)
@@ -163,8 +164,8 @@ TEST(Ranks, MomentsComeBack) {
       cells.gather_moments();
       ASSERT_EQ(cells.moments.size(), whole.moments.size());
       for (std::size_t cut = 0; cut < whole.moments.size(); ++cut) EXPECT_EQ(cells.moments[cut], whole.moments[cut]);
-      for (std::size_t p = 0; p < whole.parts.size(); ++p) {
-        const CutCells &part = cells.parts[p], &before = whole.parts[p];
+      for (std::size_t p = 0; p < whole.level_cells.size(); ++p) {
+        const CutCells &part = cells.level_cells[p], &before = whole.level_cells[p];
         ASSERT_EQ(part.moments.size(), before.moments.size());
         for (std::size_t cut = 0; cut < before.moments.size(); ++cut) EXPECT_EQ(part.moments[cut], before.moments[cut]);
       }
@@ -205,8 +206,8 @@ TEST(Ranks, DisplacementsAreConsistent) {
       for (int i = 0; i < 3; ++i) own(dof_of(halo.others()(n), i)) = 1e30;
     apply_constraints(ExecSpace(), share->system().dofs, own);
     int checked = 0;
-    for (std::size_t p = 0; p < share->system().parts().size(); ++p) {
-      const BodyMesh& part = *share->system().parts()[p];
+    for (std::size_t p = 0; p < share->system().level_meshes().size(); ++p) {
+      const BodyMesh& part = *share->system().level_meshes()[p];
       for (const auto& nodes : part.cell_nodes) {
         if (std::none_of(nodes.begin(), nodes.end(), [&](int node) { return halo.needs(node); })) continue;
         for (const int node : nodes)

@@ -116,9 +116,9 @@ TYPED_TEST(BatchedFit, APatchDoesNotNoticeItsNeighbours) {
     const Eigen::VectorXd a = test::coefficients(together[i]);
     EXPECT_EQ((test::coefficients(alone[i]) - a).norm(), 0) << i;
     EXPECT_EQ(other[i].residual, status[i].residual);
-    const int place = n - 1 - i;
-    if (place == 3 || place == 5) continue;
-    EXPECT_EQ((test::coefficients(reversed[place]) - a).norm(), 0) << i;
+    const int slot = n - 1 - i;
+    if (slot == 3 || slot == 5) continue;
+    EXPECT_EQ((test::coefficients(reversed[slot]) - a).norm(), 0) << i;
   }
 }
 
@@ -161,7 +161,7 @@ TYPED_TEST(BatchedFit, FlagsInputItCannotUseAndLeavesItAlone) {
   auto inputs = inputs_of(problems);
   const double nan = std::nan(""), infinite = 1 / 0.0;
   auto bad_row = problems[6].rows;
-  bad_row[2].place[0][1] = nan;
+  bad_row[2].position[0][1] = nan;
   inputs[0].mass[0][0] = -1;
   inputs[1].mass[0][2] = 0;
   inputs[2].a[0][0][0] = infinite;

@@ -3,7 +3,7 @@
 ///
 /// Notation: patch norm |x|^2 = x . M x; rows C of unit length in that norm; sigma: their singular values, the largest
 /// at least 1; tau: the relative tolerance. With P the projector onto the singular vectors that are kept,
-///   a - a0 = P-part of the pseudo-inverse applied to the defect of a0, hence |a - a0| <= |defect| / (tau sigma_max);
+///   a - a0 = P pseudo-inverse(defect of a0), hence |a - a0| <= |defect| / (tau sigma_max);
 ///   for any field x, whose rows miss the data by delta:  a - x = (1 - P)(a0 - x) + pseudo-inverse(delta), hence
 ///   |a - x| <= |a0 - x| + |delta| / (tau sigma_max):
 /// if the data belong to the exact field, the constrained fit is never farther from it than the unconstrained one.
@@ -24,7 +24,7 @@ test::Shape random_shape(test::Generator& g) {
   shape.opposite = g.integer(0, 3) == 0;
   shape.redundant = g.integer(0, 3) == 0;
   shape.slivers = g.integer(0, 1) == 0;
-  shape.least_fraction = std::pow(10, -g.integer(0, 12));
+  shape.min_fraction = std::pow(10, -g.integer(0, 12));
   shape.cell_ratio = std::pow(8, g.uniform(-1, 1));
   shape.data_ratio = std::pow(10, g.uniform(-6, 6));
   const double ratios[4] = {0, 0.3, 0.49, 0.4999};
@@ -32,8 +32,9 @@ test::Shape random_shape(test::Generator& g) {
   return shape;
 }
 
-/// Smallest eigenvalue of the mass matrices with unit diagonal: a pivot of Cholesky is no smaller a part of its entry.
-double least_scaled_eigenvalue(const Eigen::MatrixXd& M) {
+/// Smallest eigenvalue of the mass matrices with unit diagonal: a pivot of Cholesky is at least that fraction
+/// of its entry.
+double min_scaled_eigenvalue(const Eigen::MatrixXd& M) {
   const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * M * scale.asDiagonal(),
                                                         Eigen::EigenvaluesOnly)
@@ -53,7 +54,7 @@ void check_patch(const test::FitProblem<degree, bodies>& problem, const test::De
   if (!status.finite) {
     ++tally.flagged;
     EXPECT_EQ((a - test::coefficients(problem.input)).norm(), 0);
-    EXPECT_LT(least_scaled_eigenvalue(dense.M), 1e-9);
+    EXPECT_LT(min_scaled_eigenvalue(dense.M), 1e-9);
     return;
   }
   ASSERT_TRUE(a.allFinite());

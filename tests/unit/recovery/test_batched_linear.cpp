@@ -103,8 +103,8 @@ void check(const std::vector<Problem>& all, std::size_t first) {
     EXPECT_EQ(lane(result.truncated, l), of_lane(l).truncated);
     double error = 0;
     for (int i = 0; i < n; ++i) error = std::max(error, std::abs(lane(x[i], l) - of_lane(l).expected[i]));
-    // Rounding (2e-16) turns eigenvectors by its part of the gap to the next eigenvalue. The narrowest one between kept
-    // and truncated is 1e-9 (kind 7: 1e-5 of the threshold of 1e-4): 1e-7, of which little reaches a component;
+    // Rounding (2e-16) turns eigenvectors by its ratio to the gap to the next eigenvalue. The narrowest gap between
+    // kept and truncated is 1e-9 (kind 7: 1e-5 of the threshold of 1e-4): 1e-7, of which little reaches a component;
     // elsewhere the gap is 1e-6 and more.
     const double rounding = (first + l) % all.size() == 7 ? 1e-7 : 1e-9;
     EXPECT_LT(error, rounding * of_lane(l).expected.cwiseAbs().maxCoeff());

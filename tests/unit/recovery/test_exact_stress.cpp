@@ -95,8 +95,8 @@ struct Recovered {
     return true;
   }
 
-  /// most_lowered: part of the boundary points next to patches that had to be lowered, which are left out.
-  void expect_exact(int degree, double most_lowered = 0.1) const {
+  /// max_lowered_fraction: fraction of the boundary points next to patches that had to be lowered, which are left out.
+  void expect_exact(int degree, double max_lowered_fraction = 0.1) const {
     double largest = 0, worst = 0, worst_node = 0;
     int skipped = 0;
     for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
@@ -118,12 +118,12 @@ struct Recovered {
     }
     EXPECT_LT(worst, 1e-10 * largest);
     EXPECT_LT(worst_node, 1e-10 * largest);
-    EXPECT_LE(skipped, most_lowered * cc.boundary.size());
+    EXPECT_LE(skipped, max_lowered_fraction * cc.boundary.size());
     // On refined grids linear polynomials, where quadratic ones were asked for and are not possible, contradict the
     // data at some nodes (2 of the box).
     long long conflicting = counts.statuses[static_cast<int>(PatchStatus::conflicting)];
     for (int n = 0; n < mesh.num_nodes; ++n)
-      if (degree == 2 && !mesh.parts.empty() && mesh.is_free(n) && !is_quadratic_at(n) &&
+      if (degree == 2 && !mesh.level_meshes.empty() && mesh.is_free(n) && !is_quadratic_at(n) &&
           states.status[n] == PatchStatus::conflicting)
         --conflicting;
     EXPECT_EQ(conflicting, 0);

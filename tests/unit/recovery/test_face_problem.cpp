@@ -161,18 +161,18 @@ TEST(HalfSpace, LongPatchesFarAway) {
 
 /// A grid that is cut at its free ends has the same influences, whatever its periods: problems on fewer patches, where
 /// others do not press, have the same solution.
-TEST(HalfSpace, IsThatOfAPart) {
+TEST(HalfSpace, IsThatOfARegion) {
   for (const FaceEnd end : {FaceEnd::free, FaceEnd::mirror, FaceEnd::period}) {
-    FaceGrid whole, part;
+    FaceGrid whole, region;
     whole.size = {3, 72};
-    part.size = {3, 24};
-    for (FaceGrid* grid : {&whole, &part}) {
+    region.size = {3, 24};
+    for (FaceGrid* grid : {&whole, &region}) {
       grid->spacing = {0.5, 0.1};
       grid->end = {end, FaceEnd::free};
     }
     for (int j = 0; j < 24; ++j)
       for (int i = 0; i < 3; ++i)
-        EXPECT_DOUBLE_EQ(HalfSpace::influence(part, 2.0, i, j), HalfSpace::influence(whole, 2.0, i, j));
+        EXPECT_DOUBLE_EQ(HalfSpace::influence(region, 2.0, i, j), HalfSpace::influence(whole, 2.0, i, j));
   }
 }
 
@@ -264,15 +264,16 @@ FaceGrid grid_of_rings(double from, double slope, int patches) {
 /// logarithm at the middle.
 double integral_of_rings(const FaceGrid& grid, int at, int from) {
   const Meridian& line = *grid.meridian;
-  const FacePlace x = line.at(grid.centre(at)[1]);
+  const FacePosition x = line.at(grid.centre(at)[1]);
   const int n = 500;
   double sum = 0;
   for (const int side : {-1, 1})
     for (int k = 0; k < n; ++k) {
       const double t = (k + 0.5) / n;
-      const FacePlace y = line.at(grid.centre(from)[1] + side * 0.5 * grid.spacing[1] * t * t * t);
+      const FacePosition y = line.at(grid.centre(from)[1] + side * 0.5 * grid.spacing[1] * t * t * t);
       const double longest = std::hypot(x[0] + std::abs(y[0]), x[1] - y[1]);
-      double a = longest, b = (x - FacePlace(std::abs(y[0]), y[1])).norm();  // K(k) by their arithmetic-geometric mean
+      double a = longest,
+             b = (x - FacePosition(std::abs(y[0]), y[1])).norm();  // K(k) by their arithmetic-geometric mean
       for (int step = 0; step < 8; ++step) {
         const double mean = (a + b) / 2;
         b = std::sqrt(a * b);

@@ -16,7 +16,7 @@ TEST(FarField, Quadratic) {
   grid.size = {40, 32};
   grid.spacing = {0.125, 0.125};
   grid.low = {-2.3, -1.9};
-  const auto exact = [](const FacePlace& x) { return 1 + 2 * x[0] - x[1] + 0.3 * x[0] * x[0] - 0.7 * x[0] * x[1]; };
+  const auto exact = [](const FacePosition& x) { return 1 + 2 * x[0] - x[1] + 0.3 * x[0] * x[0] - 0.7 * x[0] * x[1]; };
   std::vector<FarMean> means;
   for (int i = 0; i < 40; i += 8)
     for (int j = 0; j < 32; j += 8) {
@@ -80,7 +80,7 @@ struct Wave {
     double sum = 0;
     for (const FarMean& mean : means) {
       double value = -mean.value;
-      for (const auto& [patch, part] : mean.patches) value += part * field[patch];
+      for (const auto& [patch, fraction] : mean.patches) value += fraction * field[patch];
       sum += value * value;
     }
     return std::sqrt(sum / static_cast<double>(means.size()));
@@ -119,7 +119,7 @@ TEST(FarField, MirroredFace) {
   Wave wave(7, 0.01), mirrored(7, 0.01);
   const int last = wave.grid.size[1] - 1;
   for (FarMean& mean : mirrored.means)
-    for (auto& [patch, part] : mean.patches) patch = last - patch;
+    for (auto& [patch, fraction] : mean.patches) patch = last - patch;
   const std::vector<double> field = FarField(wave.grid, 1, wave.inside, wave.means).with_details(1),
                             other = FarField(mirrored.grid, 1, mirrored.inside, mirrored.means).with_details(1);
   for (int n = 0; n <= last; ++n) EXPECT_NEAR(field[n], other[last - n], 1e-9);
@@ -141,7 +141,7 @@ TEST(FaceZone, Ball) {
         zone.grid.spacing[a] = h / per_cell;
         zone.grid.low[a] = (-side - offset) * h;
       }
-      const auto exact = [&](const FacePlace& x) { return largest * std::sqrt(std::max(1 - x.squaredNorm(), 0.0)); };
+      const auto exact = [&](const FacePosition& x) { return largest * std::sqrt(std::max(1 - x.squaredNorm(), 0.0)); };
       const HalfSpace half_space(ExecSpace(), zone.grid, 1);
       const HalfSpace::Patches p("p", zone.grid.size[0], zone.grid.size[1]),
           u("u", zone.grid.size[0], zone.grid.size[1]);
@@ -151,12 +151,12 @@ TEST(FaceZone, Ball) {
       Kokkos::deep_copy(p, host);
       half_space.apply(ExecSpace(), p, u);
       const auto response = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
-      const auto far = [](const FacePlace& x) { return 0.02 * x[0] + 0.01 * x[1] * x[1]; };
+      const auto far = [](const FacePosition& x) { return 0.02 * x[0] + 0.01 * x[1] * x[1]; };
       zone.groups.resize(static_cast<std::size_t>(4 * side * side));
       std::vector<double> force(zone.groups.size(), 0.0);
       for (int n = 0; n < zone.grid.num_patches(); ++n) {
         const int i = n / zone.grid.size[1], j = n % zone.grid.size[1], g = i / per_cell * 2 * side + j / per_cell;
-        const FacePlace x = zone.grid.centre(n);
+        const FacePosition x = zone.grid.centre(n);
         zone.shares.push_back({n, g, 1});
         zone.inside.push_back(1);
         zone.may_press.push_back(x.norm() < 1 + 1.25 * h);
@@ -168,7 +168,7 @@ TEST(FaceZone, Ball) {
       // Cells whose centre is outside the circle are open; their force acts in the cell next to them on the way
       // inwards.
       const auto centre = [&](int g) {
-        return FacePlace((g / (2 * side) - side - offset + 0.5) * h, (g % (2 * side) - side - offset + 0.5) * h);
+        return FacePosition((g / (2 * side) - side - offset + 0.5) * h, (g % (2 * side) - side - offset + 0.5) * h);
       };
       const auto closed = [&](int g) { return centre(g).norm() < 1; };
       for (int g = 0; g < static_cast<int>(force.size()); ++g) {

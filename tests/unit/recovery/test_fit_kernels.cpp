@@ -29,10 +29,10 @@ QuadraticMass shift(double size, const Vec3& d) {
 struct Dense {
   Eigen::MatrixXd mass, a;  ///< a: term, component
   double misfit = 0;        ///< mean square
-  double min_pivot = 0;     ///< of the mass, least part of its diagonal entry
+  double min_pivot = 0;     ///< of the mass, least fraction of its diagonal entry
 };
 
-/// A ball in cells of two sizes; patches of the cells within a box around some places; the stress of random
+/// A ball in cells of two sizes; patches of the cells within a box around some points; the stress of random
 /// displacements.
 class Case {
  public:
@@ -49,7 +49,7 @@ class Case {
   std::vector<double> unit;
   FlatLists<int> cells;
 
-  /// Nodes with as many cells as a quadratic polynomial needs; the last patch is the smallest piece of a cell above
+  /// Nodes with as many cells as a quadratic polynomial needs; the last patch is the smallest subcell above
   /// 1e-6, a thin one.
   Case() {
     std::vector<int> list;

@@ -72,7 +72,7 @@ struct Body {
 
 class Refined : public testing::TestWithParam<Case> {};
 
-/// The patch of a free node: the cells that have its place as a corner, at most two sizes. Constrained nodes have none.
+/// The patch of a free node: the cells with a corner at its position, at most two sizes. Constrained nodes have none.
 TEST_P(Refined, PatchesOfFreeNodes) {
   const Body b(refined(GetParam()));
   ASSERT_EQ(b.cc.num_levels(), 5);
@@ -183,9 +183,9 @@ TEST_P(Refined, Continuous) {
     const double size = b.cc.size(cell);
     for (int face = 0; face < 6; ++face) {
       const int axis = face / 2, side = face % 2;
-      Vec3 place(uniform(generator), uniform(generator), uniform(generator));
-      place[axis] = side;
-      const Vec3 x = b.cc.corner(cell) + size * place;
+      Vec3 position(uniform(generator), uniform(generator), uniform(generator));
+      position[axis] = side;
+      const Vec3 x = b.cc.corner(cell) + size * position;
       const int other = cell_at(b.cc, x + (side ? 0.25 : -0.25) * size * Vec3::Unit(axis));
       if (other < 0) continue;
       const Sym3 s = b.recovered(cell, x);

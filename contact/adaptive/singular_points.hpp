@@ -22,10 +22,10 @@ std::vector<CellEnergies> cell_energies(const Results& results);
 /// - and S falls with the radius of the ball on the last grid, as it does not where a smooth stress was merely not
 /// resolved before. One for each set of faces; not where further faces meet the edge between some. solves: in order,
 /// the last one the state's.
-std::vector<SingularPlace> singular_places(const SolvedState& state,
+std::vector<SingularPoint> singular_points(const SolvedState& state,
                                            const std::vector<std::vector<CellEnergies>>& solves);
 
 /// Describes it in one sentence.
-std::string describe(const SingularPlace& place);
+std::string describe(const SingularPoint& point);
 
 }  // namespace cgcontact

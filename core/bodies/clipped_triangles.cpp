@@ -1,4 +1,4 @@
-#include "core/bodies/triangle_pieces.hpp"
+#include "core/bodies/clipped_triangles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double lost_piece = 1e-14;  // area of one patch in a cell that is rounding
+constexpr double lost_facet = 1e-14;  // area of one patch in a cell that is rounding
 constexpr double lost_group = 1e-15;  // the same for what dividers leave
 constexpr double plane_tolerance = 1e-10;
 constexpr double flat_tolerance = 1e-12;
@@ -37,8 +37,8 @@ constexpr int bend_degrees = 4;
 /// Sides of all dividers, one bit each.
 using Sides = std::array<std::uint64_t, 4>;
 
-/// Piece on one side of every divider.
-struct Part {
+/// Facet as the dividers leave it: on one side of each.
+struct DividedFacet {
   int patch, plane;
   Sides sides;
   int triangle;
@@ -232,31 +232,31 @@ FunctionTable columns(const FunctionTable& table, std::size_t begin, std::size_t
 class PointMaker {
  public:
   PointMaker(const TriangleSurface& surface, const CurvedTriangles* curved, const std::vector<Plane>& dividers,
-             int order, bool with_pieces)
-      : surface_(surface), curved_(curved), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
+             int order, bool with_facets)
+      : surface_(surface), curved_(curved), dividers_(dividers), order_(order), with_facets_(with_facets) {
     if (dividers.size() > 256)
       throw InputError(
           "too many borders of faces in one cell (allowed: up to 256; declare fewer faces or make the cells smaller)");
   }
 
-  void add_piece(int triangle, const SurfacePolygon& polygon) {
+  void add_facet(int triangle, const SurfacePolygon& polygon) {
     const bool curved = curved_ && !curved_->is_plane(triangle);
-    Part part{surface_.patch(triangle), curved ? -1 : find_plane(triangle), {}, triangle, polygon};
-    divide(part, 0);
+    DividedFacet facet{surface_.patch(triangle), curved ? -1 : find_plane(triangle), {}, triangle, polygon};
+    divide(facet, 0);
   }
 
   void make_points(int owner, BoundaryPoints& points) {
-    sorted_.resize(parts_.size());
+    sorted_.resize(facets_.size());
     std::iota(sorted_.begin(), sorted_.end(), 0);
-    std::stable_sort(sorted_.begin(), sorted_.end(), [&](int a, int b) { return parts_[a].key() < parts_[b].key(); });
+    std::stable_sort(sorted_.begin(), sorted_.end(), [&](int a, int b) { return facets_[a].key() < facets_[b].key(); });
     for (std::size_t begin = 0, end = 0; begin < sorted_.size(); begin = end) {
       double area = 0;
-      for (end = begin; end < sorted_.size() && part(end).patch == part(begin).patch; ++end)
-        area += twice_area(part(end).polygon).norm() / 2;
-      if (area <= lost_piece) continue;
-      if (curved_ && !curved_->is_plane(part(begin).triangle))
+      for (end = begin; end < sorted_.size() && facet(end).patch == facet(begin).patch; ++end)
+        area += twice_area(facet(end).polygon).norm() / 2;
+      if (area <= lost_facet) continue;
+      if (curved_ && !curved_->is_plane(facet(begin).triangle))
         make_curved_points(begin, end, owner, points);
-      else if (num_planes(part(begin).patch) > quadratic_rule_planes)
+      else if (num_planes(facet(begin).patch) > quadratic_rule_planes)
         make_facet_points(begin, end, owner, points);
       else
         make_patch_points(begin, end, owner, points);
@@ -280,32 +280,32 @@ class PointMaker {
 
   int num_planes(int patch) const { return static_cast<int>(planes_.at(patch).size()); }
 
-  /// Cuts the part at all dividers from the given one on.
-  void divide(Part part, std::size_t divider) {
+  /// Cuts the facet at all dividers from the given one on.
+  void divide(DividedFacet facet, std::size_t divider) {
     SurfacePolygon negative, rest;
     for (; divider < dividers_.size(); ++divider) {
-      if (!dividers_[divider].divides(part.patch)) continue;
+      if (!dividers_[divider].divides(facet.patch)) continue;
       if (dividers_[divider].of_normals) {
-        if (dividers_[divider].normal.dot(surface_.normal(part.triangle)) < dividers_[divider].offset)
-          part.sides[divider / 64] |= std::uint64_t{1} << divider % 64;
+        if (dividers_[divider].normal.dot(surface_.normal(facet.triangle)) < dividers_[divider].offset)
+          facet.sides[divider / 64] |= std::uint64_t{1} << divider % 64;
         continue;
       }
-      if (lies_in(part.polygon, dividers_[divider])) continue;
-      split_at(part.polygon, dividers_[divider], negative, rest);
+      if (lies_in(facet.polygon, dividers_[divider])) continue;
+      split_at(facet.polygon, dividers_[divider], negative, rest);
       if (negative.n == 0) continue;
       if (rest.n > 0) {
-        Part other = part;
+        DividedFacet other = facet;
         other.polygon = rest;
         divide(other, divider + 1);
-        part.polygon = negative;
+        facet.polygon = negative;
       }
-      part.sides[divider / 64] |= std::uint64_t{1} << divider % 64;
+      facet.sides[divider / 64] |= std::uint64_t{1} << divider % 64;
     }
-    parts_.push_back(part);
+    facets_.push_back(facet);
   }
 
   /// In the order of the keys.
-  const Part& part(std::size_t i) const { return parts_[sorted_[i]]; }
+  const DividedFacet& facet(std::size_t i) const { return facets_[sorted_[i]]; }
 
   int degree_of(int patch) const {
     const int full = 2 * order_ - 1, count = num_planes(patch);
@@ -313,54 +313,55 @@ class PointMaker {
     return std::min(full, num_planes_ <= quadratic_rule_planes_of_cell ? 2 : 1);
   }
 
-  /// Adds the points of the parts begin .. end, those of one patch.
+  /// Adds the points of the facets begin .. end, those of one patch.
   void make_patch_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
-    const int degree = degree_of(part(begin).patch);
+    const int degree = degree_of(facet(begin).patch);
     for (std::size_t next = begin; begin < end; begin = next) {
       double area = 0;
-      for (; next < end && part(next).key() == part(begin).key(); ++next)
-        area += twice_area(part(next).polygon).norm() / 2;
+      for (; next < end && facet(next).key() == facet(begin).key(); ++next)
+        area += twice_area(facet(next).polygon).norm() / 2;
       if (area > lost_group) make_group_points(begin, next, degree, owner, points);
     }
   }
 
-  /// Adds the points of the parts begin .. end, those of a patch with many planes: a bounded number on one side of
+  /// Adds the points of the facets begin .. end, those of a patch with many planes: a bounded number on one side of
   /// every divider.
   void make_facet_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
-    const int patch = part(begin).patch;
+    const int patch = facet(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
-      std::vector<FacetPoint> facets;
+      std::vector<FacetPoint> facet_points;
       Vec3 mean = Vec3::Zero();
       double area = 0;
-      for (; next < end && part(next).sides == part(begin).sides; ++next) {
-        const double own = twice_area(part(next).polygon).norm() / 2;
+      for (; next < end && facet(next).sides == facet(begin).sides; ++next) {
+        const double own = twice_area(facet(next).polygon).norm() / 2;
         std::vector<RulePoint> rule;
-        add_polygon_rule(part(next).polygon,
+        add_polygon_rule(facet(next).polygon,
                          own >= full_rule_area        ? 2 * order_ - 1
                          : own >= quadratic_rule_area ? 2
                                                       : 1,
                          rule);
         for (const RulePoint& p : rule) {
-          facets.push_back({p, surface_.normal(part(next).triangle)});
+          facet_points.push_back({p, surface_.normal(facet(next).triangle)});
           mean += p.weight * p.position;
         }
         area += own;
       }
       if (area <= lost_group) continue;
       std::vector<double> weights;
-      for (const FacetPoint& p : facets) weights.push_back(p.point.weight);
-      compress_many_weights(facet_functions(facets), weights);
-      for (std::size_t i = 0; i < facets.size(); ++i) {
+      for (const FacetPoint& p : facet_points) weights.push_back(p.point.weight);
+      compress_many_weights(facet_functions(facet_points), weights);
+      for (std::size_t i = 0; i < facet_points.size(); ++i) {
         if (!(weights[i] > 0)) continue;
-        points.append(facets[i].point.position, facets[i].normal, weights[i], owner, patch);
-        if (with_pieces_) points.set_piece(mean / area, facets[i].normal);
+        points.append(facet_points[i].point.position, facet_points[i].normal, weights[i], owner, patch);
+        if (with_facets_) points.set_facet(mean / area, facet_points[i].normal);
       }
     }
   }
 
-  /// Adds one group: parts in one plane on one side of every divider. Where they make up a convex polygon they are one.
+  /// Adds one group: facets in one plane on one side of every divider. Where they make up a convex polygon they are
+  /// one.
   void make_group_points(std::size_t begin, std::size_t end, int degree, int owner, BoundaryPoints& points) const {
-    const Vec3& normal = surface_.normal(part(begin).triangle);
+    const Vec3& normal = surface_.normal(facet(begin).triangle);
     std::vector<RulePoint> rule;
     SurfacePolygon whole;
     if (is_bent(begin, end))
@@ -368,7 +369,7 @@ class PointMaker {
     else if (join_convex(begin, end, whole))
       add_polygon_rule(whole, degree, rule);
     else
-      for (std::size_t i = begin; i < end; ++i) add_polygon_rule(part(i).polygon, degree, rule);
+      for (std::size_t i = begin; i < end; ++i) add_polygon_rule(facet(i).polygon, degree, rule);
     compress(normal, degree, rule);
     Vec3 mean = Vec3::Zero();
     double area = 0;
@@ -378,8 +379,8 @@ class PointMaker {
     }
     for (const RulePoint& p : rule) {
       if (!(p.weight > 0)) continue;
-      points.append(p.position, normal, p.weight, owner, part(begin).patch);
-      if (with_pieces_) points.set_piece(mean / area, normal);
+      points.append(p.position, normal, p.weight, owner, facet(begin).patch);
+      if (with_facets_) points.set_facet(mean / area, normal);
     }
   }
 
@@ -387,47 +388,47 @@ class PointMaker {
   bool is_bent(std::size_t begin, std::size_t end) const {
     if (!curved_) return false;
     for (std::size_t i = begin; i < end; ++i)
-      if (curved_->is_bent(part(i).triangle)) return true;
+      if (curved_->is_bent(facet(i).triangle)) return true;
     return false;
   }
 
   void add_bent_rule(std::size_t begin, std::size_t end, int degree, std::vector<RulePoint>& rule) const {
     std::vector<FacetPoint> points;
-    for (std::size_t i = begin; i < end; ++i) add_exact_rule(part(i), degree, points);
+    for (std::size_t i = begin; i < end; ++i) add_exact_rule(facet(i), degree, points);
     for (const FacetPoint& p : points) rule.push_back(p.point);
   }
 
   /// Appends points on the exact surface. Where a bent rim folds a triangle that is thinner than the
   /// bend, weights are negative: the folds cancel.
-  void add_exact_rule(const Part& of, int degree, std::vector<FacetPoint>& rule) const {
-    static thread_local std::vector<TrianglePlace> places;
-    places.clear();
-    add_piece_rule(surface_, of.triangle, of.polygon, degree, places);
-    for (const TrianglePlace& at : places) {
-      const CurvedPlace place = curved_->place(of.triangle, at.a, at.b);
-      const Vec3 across = place.along_a.cross(place.along_b);
-      const double stretch = across.norm(), sign = across.dot(place.normal) < 0 ? -1 : 1;
-      if (!std::isfinite(stretch) || !place.x.allFinite() || !place.normal.allFinite())
+  void add_exact_rule(const DividedFacet& of, int degree, std::vector<FacetPoint>& rule) const {
+    static thread_local std::vector<TrianglePoint> points;
+    points.clear();
+    add_clipped_rule(surface_, of.triangle, of.polygon, degree, points);
+    for (const TrianglePoint& at : points) {
+      const CurvedPoint image = curved_->point_at(of.triangle, at.a, at.b);
+      const Vec3 across = image.along_a.cross(image.along_b);
+      const double stretch = across.norm(), sign = across.dot(image.normal) < 0 ? -1 : 1;
+      if (!std::isfinite(stretch) || !image.x.allFinite() || !image.normal.allFinite())
         throw InputError("face" + std::to_string(curved_->triangles[of.triangle].face + 1) +
                          " of the CAD solid has places that are not finite: its surface or a curve on it is damaged "
                          "(allowed: faces that are finite everywhere; export the part again)");
-      rule.push_back({{place.x, sign * at.weight * stretch}, place.normal});
+      rule.push_back({{image.x, sign * at.weight * stretch}, image.normal});
     }
   }
 
-  /// Adds the points of the parts begin .. end, those of a curved face of a CAD body: with the integrals of many more
+  /// Adds the points of the facets begin .. end, those of a curved face of a CAD body: with the integrals of many more
   /// points of all polynomials as on the quadrics of CSG bodies, of the normal and of the flux of the position.
   void make_curved_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
-    const int patch = part(begin).patch;
+    const int patch = facet(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
       int triangles = 0;
-      for (; next < end && part(next).sides == part(begin).sides; ++next) triangles += part(next).polygon.n - 2;
+      for (; next < end && facet(next).sides == facet(begin).sides; ++next) triangles += facet(next).polygon.n - 2;
       std::vector<FacetPoint> rule;  // of few points, then of many
       add_few_points(begin, next, triangles, rule);
       const std::size_t num_few = rule.size();
       const int degree = triangles < many_triangles ? 2 * order_ + 1 : 2 * order_ - 1;
       for (std::size_t i = begin; i < next; ++i)
-        add_exact_rule(part(i), degree + (curved_->is_bent(part(i).triangle) ? bend_degrees : 0), rule);
+        add_exact_rule(facet(i), degree + (curved_->is_bent(facet(i).triangle) ? bend_degrees : 0), rule);
       double area = 0;
       Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
       for (std::size_t i = num_few; i < rule.size(); ++i) {
@@ -440,25 +441,25 @@ class PointMaker {
       for (std::size_t i = 0; i < weights.size(); ++i) {
         if (!(weights[i] > 0)) continue;
         points.append(rule[i].point.position, rule[i].normal, weights[i], owner, patch);
-        if (with_pieces_) points.set_piece(mean_position / area, mean_normal / area);
+        if (with_facets_) points.set_facet(mean_position / area, mean_normal / area);
       }
     }
   }
 
-  /// Adds about twice as many points as there are functions, more of them on the larger parts.
+  /// Adds about twice as many points as there are functions, more of them on the larger facets.
   void add_few_points(std::size_t begin, std::size_t end, int triangles, std::vector<FacetPoint>& rule) const {
     // A rule of degree 2 n - 1 has n^2 points on a triangle.
     int n = 1;
     while (n < order_ + 1 && (n + 1) * (n + 1) * triangles <= few_points) ++n;
     int left = few_points - n * n * triangles;
     std::vector<std::pair<double, std::size_t>> by_area;
-    for (std::size_t i = begin; i < end; ++i) by_area.emplace_back(-twice_area(part(i).polygon).norm(), i);
+    for (std::size_t i = begin; i < end; ++i) by_area.emplace_back(-twice_area(facet(i).polygon).norm(), i);
     std::sort(by_area.begin(), by_area.end());
     for (const auto& [area, i] : by_area) {
-      const int more = (2 * n + 1) * (part(i).polygon.n - 2);
+      const int more = (2 * n + 1) * (facet(i).polygon.n - 2);
       const bool finer = more <= left && n < order_ + 1;
       if (finer) left -= more;
-      add_exact_rule(part(i), 2 * (finer ? n + 1 : n) - 1, rule);
+      add_exact_rule(facet(i), 2 * (finer ? n + 1 : n) - 1, rule);
     }
   }
 
@@ -505,17 +506,17 @@ class PointMaker {
     return weights;
   }
 
-  /// Joins the parts to their convex hull, if it has no larger area than they have.
+  /// Joins the facets to their convex hull, if it has no larger area than they have.
   bool join_convex(std::size_t begin, std::size_t end, SurfacePolygon& whole) const {
     if (end - begin == 1) {
-      whole = part(begin).polygon;
+      whole = facet(begin).polygon;
       return true;
     }
-    const auto [s, t] = plane_axes(surface_.normal(part(begin).triangle));
+    const auto [s, t] = plane_axes(surface_.normal(facet(begin).triangle));
     std::vector<Vec3> corners;
     double area = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const SurfacePolygon& p = part(i).polygon;
+      const SurfacePolygon& p = facet(i).polygon;
       corners.insert(corners.end(), p.x.begin(), p.x.begin() + p.n);
       area += twice_area(p).norm();
     }
@@ -530,10 +531,10 @@ class PointMaker {
   const CurvedTriangles* const curved_;
   const std::vector<Plane>& dividers_;
   const int order_;
-  const bool with_pieces_;
+  const bool with_facets_;
   std::unordered_map<int, std::vector<PatchPlane>> planes_;  ///< by patch
   int num_planes_ = 0;
-  std::vector<Part> parts_;
+  std::vector<DividedFacet> facets_;
   std::vector<int> sorted_;
 };
 
@@ -561,7 +562,7 @@ void split_at(const SurfacePolygon& polygon, int axis, double value, SurfacePoly
       below, above);
 }
 
-namespace triangle_pieces {
+namespace clipped_triangles {
 
 std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double normal) {
   double low = polygon.x[0][axis], high = low;
@@ -577,23 +578,23 @@ std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double n
   return {static_cast<int>(std::floor(low)), static_cast<int>(std::ceil(high)) - 1};
 }
 
-}  // namespace triangle_pieces
+}  // namespace clipped_triangles
 
-SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const Index3& cell) {
-  SurfacePolygon piece = triangle_polygon(surface, triangle), below, above;
+SurfacePolygon clipped_to_cell(const TriangleSurface& surface, int triangle, const Index3& cell) {
+  SurfacePolygon polygon = triangle_polygon(surface, triangle), below, above;
   for (int axis = 2; axis >= 0; --axis) {
-    const auto [first, last] = triangle_pieces::cell_range(piece, axis, surface.normal(triangle)[axis]);
+    const auto [first, last] = clipped_triangles::cell_range(polygon, axis, surface.normal(triangle)[axis]);
     if (cell[axis] < first || cell[axis] > last) return {};
     if (cell[axis] > first) {
-      split_at(piece, axis, cell[axis], below, above);
-      piece = above;
+      split_at(polygon, axis, cell[axis], below, above);
+      polygon = above;
     }
     if (cell[axis] < last) {
-      split_at(piece, axis, cell[axis] + 1, below, above);
-      piece = below;
+      split_at(polygon, axis, cell[axis] + 1, below, above);
+      polygon = below;
     }
   }
-  return piece;
+  return polygon;
 }
 
 std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell) {
@@ -610,8 +611,8 @@ std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index
   return found;
 }
 
-void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& piece, int degree,
-                    std::vector<TrianglePlace>& places) {
+void add_clipped_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& polygon, int degree,
+                      std::vector<TrianglePoint>& points) {
   const TriangleRule& rule = triangle_rule(degree);
   const Vec3& origin = surface.corner(triangle, 0);
   const Vec3 u = surface.corner(triangle, 1) - origin, v = surface.corner(triangle, 2) - origin, n = u.cross(v);
@@ -620,16 +621,16 @@ void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfaceP
     const Vec3 y = x - origin;
     return Vec2(n.dot(y.cross(v)) * inverse, n.dot(u.cross(y)) * inverse);
   };
-  const Vec2 first = weights(piece.x[0]);
-  Vec2 last = weights(piece.x[1]);
-  for (int k = 2; k < piece.n; ++k) {
-    const Vec2 next = weights(piece.x[k]), p = last - first, q = next - first;
+  const Vec2 first = weights(polygon.x[0]);
+  Vec2 last = weights(polygon.x[1]);
+  for (int k = 2; k < polygon.n; ++k) {
+    const Vec2 next = weights(polygon.x[k]), p = last - first, q = next - first;
     const double area = 0.5 * (p[0] * q[1] - p[1] * q[0]);
     last = next;
     if (area == 0) continue;
     for (std::size_t i = 0; i < rule.weight.size(); ++i) {
       const Vec2 at = first + rule.a[i] * p + rule.b[i] * q;
-      places.push_back({at[0], at[1], area * rule.weight[i]});
+      points.push_back({at[0], at[1], area * rule.weight[i]});
     }
   }
 }
@@ -641,8 +642,8 @@ void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriang
   PointMaker maker(surface, curved, crossing, order, divide_faces(dividers));
   for (const int t : triangles) {
     if (!selected.empty() && !selected[surface.patch(t)]) continue;
-    const SurfacePolygon piece = piece_in_cell(surface, t, cell);
-    if (piece.n >= 3) maker.add_piece(t, piece);
+    const SurfacePolygon polygon = clipped_to_cell(surface, t, cell);
+    if (polygon.n >= 3) maker.add_facet(t, polygon);
   }
   maker.make_points(owner, points);
 }

@@ -1,4 +1,4 @@
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -13,8 +13,8 @@ Vec3 grid_position(const BodyMesh& mesh, std::size_t node) { return mesh.node_po
 
 }  // namespace
 
-RigidParts::RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales)
-    : meshes_(meshes), length_(scales.length), parts_(meshes.size()) {
+BodyMotions::BodyMotions(const std::vector<BodyMesh>& meshes, const Scales& scales)
+    : meshes_(meshes), length_(scales.length), motions_(meshes.size()) {
   for (std::size_t b = 0; b < meshes.size(); ++b) {
     const BodyMesh& mesh = meshes[b];
     Vec3 centre = centre_of_nodes(mesh);
@@ -27,22 +27,23 @@ RigidParts::RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales
     }
     centre_.push_back(centre);
     inertia_.push_back(inertia);
-    parts_[b].centre = mesh.cut_cells->grid.to_global(centre);
+    motions_[b].centre = mesh.cut_cells->grid.to_global(centre);
   }
 }
 
-void RigidParts::forget() {
-  for (RigidPart& part : parts_) part.translation = part.rotation = Vec3::Zero();
+void BodyMotions::forget() {
+  for (BodyMotion& motion : motions_) motion.translation = motion.rotation = Vec3::Zero();
 }
 
-Kokkos::View<const RigidPart*, MemSpace> RigidParts::on_device() const {
-  const Kokkos::View<const RigidPart*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(parts_.data(), parts_.size());
-  const Kokkos::View<RigidPart*, MemSpace> parts("cgcontact::rigid_part::parts", parts_.size());
-  Kokkos::deep_copy(parts, host);
-  return parts;
+Kokkos::View<const BodyMotion*, MemSpace> BodyMotions::on_device() const {
+  const Kokkos::View<const BodyMotion*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(motions_.data(),
+                                                                                         motions_.size());
+  const Kokkos::View<BodyMotion*, MemSpace> motions("cgcontact::body_motion::parts", motions_.size());
+  Kokkos::deep_copy(motions, host);
+  return motions;
 }
 
-void RigidParts::set_aside(const ExecSpace& exec, const RealView& u) {
+void BodyMotions::set_aside(const ExecSpace& exec, const RealView& u) {
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     const Grid& grid = mesh.cut_cells->grid;
@@ -60,24 +61,24 @@ void RigidParts::set_aside(const ExecSpace& exec, const RealView& u) {
           0.0);
     else
       add_rigid_motion(exec, mesh, centre_[b], -translation, -rotation, u);
-    parts_[b].translation += length_ * (grid.rotation * translation);
-    parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
+    motions_[b].translation += length_ * (grid.rotation * translation);
+    motions_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
   }
 }
 
-void RigidParts::move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre) {
-  RigidPart& part = parts_[body];
-  part.translation += translation + rotation.cross(part.centre - centre);
-  part.rotation += rotation;
+void BodyMotions::move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre) {
+  BodyMotion& motion = motions_[body];
+  motion.translation += translation + rotation.cross(motion.centre - centre);
+  motion.rotation += rotation;
 }
 
-double RigidParts::largest_displacement(const ExecSpace& exec, const RealView& u) const {
+double BodyMotions::largest_displacement(const ExecSpace& exec, const RealView& u) const {
   double largest = 0;
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     double deformation = 0;
     Kokkos::parallel_reduce(
-        "cgcontact::rigid_part::largest",
+        "cgcontact::body_motion::largest",
         Kokkos::RangePolicy<ExecSpace>(exec, dof_of(mesh.first_node), dof_of(mesh.first_node + mesh.num_nodes)),
         KOKKOS_LAMBDA(const int i, double& most) {
           const double size = u(i) < 0 ? -u(i) : u(i);
@@ -86,7 +87,8 @@ double RigidParts::largest_displacement(const ExecSpace& exec, const RealView& u
         Kokkos::Max<double>(deformation));
     const Index3& cells = mesh.cut_cells->grid.num_cells;
     const double size = mesh.cut_cells->grid.cell_size * *std::max_element(cells.begin(), cells.end());
-    const double rigid = parts_[b].translation.norm() + size * (parts_[b].rotation.norm() + parts_[b].expansion.norm());
+    const double rigid =
+        motions_[b].translation.norm() + size * (motions_[b].rotation.norm() + motions_[b].expansion.norm());
     largest = std::max(largest, deformation + rigid / length_);
   }
   return largest;

@@ -1,10 +1,10 @@
-/// Pieces of a triangle surface in one cell: clipping and quadrature points. Grid coordinates.
+/// Facets of a triangle surface: its triangles clipped to cells, and quadrature points on them. Grid coordinates.
 /// Corner cases, decided here:
 /// - Cells are cut out axis by axis. An intersection with a grid plane gets its coordinate exactly and is computed from
 ///   the end of the edge below the plane to the one above, so that triangles with a common edge agree on it.
-/// - A piece that lies in a grid plane up to 1e-12 cells belongs to the cell on its inner side: no slivers of rounding.
+/// - A facet that lies in a grid plane up to 1e-12 cells belongs to the cell on its inner side: no slivers of rounding.
 /// - A polygon is cut along one chord into two polygons whose areas add up to its own, whatever rounding does to the
-///   corners. So every piece of surface lies in exactly one cell.
+///   corners. So every point of the surface lies in exactly one cell.
 #pragma once
 
 #include <algorithm>
@@ -42,17 +42,17 @@ SurfacePolygon triangle_polygon(const TriangleSurface& surface, int triangle);
 void split_at(const SurfacePolygon& polygon, int axis, double value, SurfacePolygon& below, SurfacePolygon& above);
 
 /// Clips a triangle to a cell; no corners if nothing is left.
-SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const Index3& cell);
+SurfacePolygon clipped_to_cell(const TriangleSurface& surface, int triangle, const Index3& cell);
 
-/// Calls use(cell, piece) for all cells that hold a piece of the triangle.
+/// Calls use(cell, polygon) for all cells that hold a facet of the triangle.
 template <class Use>
-void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
+void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
 /// The same for the cells that are wanted: next(axis, cell) is the first index from cell[axis] on, along z of all,
 /// along y of those in the layer cell[2], along x of those in the row cell[1], cell[2].
 template <class Next, class Use>
-void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use);
+void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use);
 
-/// Adds the points of the given triangles, as cell_boundary_points (core/bodies/cell_pieces.hpp). The pieces of a patch
+/// Adds the points of the given triangles, as cell_boundary_points (core/bodies/cell_facets.hpp). The facets of a patch
 /// in a cell are grouped by plane: up to 8 planes get the full rule on each, up to 32 one of degree 2 (in cells with
 /// more than 32 and 128 planes of all patches one degree less). With more planes a patch gets at most 29 points on each
 /// side of the dividers: forces and moments stay exact, integrals of polynomials those of its facets (of degree 3 along
@@ -62,19 +62,19 @@ void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriang
                               const std::vector<int>& triangles, const Index3& cell, const std::vector<char>& selected,
                               const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points);
 
-/// Point on a triangle of a piece: the weights of its corners 1 and 2, and how much of the triangle it stands for (the
+/// Point on a triangle of a facet: the weights of its corners 1 and 2, and how much of the triangle it stands for (the
 /// whole one: 1/2).
-struct TrianglePlace {
+struct TrianglePoint {
   double a, b, weight;
 };
-/// Adds the points of a rule on a piece, exact for polynomials of the degree on the flat triangle.
-void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& piece, int degree,
-                    std::vector<TrianglePlace>& places);
+/// Adds the points of a rule on a facet, exact for polynomials of the degree on the flat triangle.
+void add_clipped_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& polygon, int degree,
+                      std::vector<TrianglePoint>& points);
 
-/// Returns the triangles that may have a piece in a cell, ascending.
+/// Returns the triangles that may have a facet in a cell, ascending.
 std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell);
 
-namespace triangle_pieces {
+namespace clipped_triangles {
 
 /// Returns the range of cells along an axis that hold a polygon.
 std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double normal);
@@ -95,26 +95,27 @@ void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& norma
     }
     const bool is_last = cell[axis] == last;
     if (!is_last) split_at(rest, axis, cell[axis] + 1, below, above);
-    const SurfacePolygon& piece = is_last ? rest : below;
+    const SurfacePolygon& within = is_last ? rest : below;
     if (axis > 0)
-      split_into_cells(piece, axis - 1, normal, cell, next, use);
+      split_into_cells(within, axis - 1, normal, cell, next, use);
     else
-      use(static_cast<const Index3&>(cell), piece);
+      use(static_cast<const Index3&>(cell), within);
     if (!is_last) rest = above;
   }
 }
 
-}  // namespace triangle_pieces
+}  // namespace clipped_triangles
 
 template <class Next, class Use>
-void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use) {
+void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use) {
   Index3 cell{0, 0, 0};
-  triangle_pieces::split_into_cells(triangle_polygon(surface, triangle), 2, surface.normal(triangle), cell, next, use);
+  clipped_triangles::split_into_cells(triangle_polygon(surface, triangle), 2, surface.normal(triangle), cell, next,
+                                      use);
 }
 
 template <class Use>
-void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use) {
-  each_piece_of_triangle(
+void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Use& use) {
+  each_cell_of_triangle(
       surface, triangle, [](int axis, const Index3& cell) { return cell[axis]; }, use);
 }
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/cells/cells_around.hpp"
-#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/boundary_facets.hpp"
 #include "recovery/constrained/divergence.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/error/error_estimate.hpp"
@@ -11,7 +11,7 @@
 #include "tests/support/constrained_fit.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact::test_plain_twins {
+namespace cgcontact::test_plain_references {
 namespace {
 
 using namespace test;
@@ -39,7 +39,7 @@ struct Case {
   }
 };
 
-TEST(PlainTwins, CellStressIntegrals) {
+TEST(PlainReferences, CellStressIntegrals) {
   const Case c;
   for (int e = 0; e < c.cells.size(); ++e) {
     double weights[27], corner[8][3], sum[6][num_terms] = {}, largest = 0;
@@ -61,7 +61,7 @@ TEST(PlainTwins, CellStressIntegrals) {
   }
 }
 
-TEST(PlainTwins, CellsAround) {
+TEST(PlainReferences, CellsAround) {
   const Case c;
   std::vector<int> some;
   for (std::size_t e = 0; e < c.cc.cells.size(); e += 37) some.push_back(static_cast<int>(e));
@@ -83,7 +83,7 @@ TEST(PlainTwins, CellsAround) {
 }
 
 /// All patches, the full ones with the general fit, and only some of them.
-TEST(PlainTwins, PatchFits) {
+TEST(PlainReferences, PatchFits) {
   const Case c;
   std::vector<char> marked(c.mesh.num_nodes, 0), marked_cells(c.cells.size(), 0);
   for (int n = 0; n < c.mesh.num_nodes; n += 3) {
@@ -123,7 +123,7 @@ TEST(PlainTwins, PatchFits) {
 
 /// Polynomials that are made where they are asked for, one by one and many, against those of all nodes; the error
 /// estimate from them against that from a field that stores all.
-TEST(PlainTwins, InteriorFit) {
+TEST(PlainReferences, InteriorFit) {
   const Case c;
   const int touched = c.cells.size() / 2;
   const Subset beside = nodes_beside_interior(c.mesh, CellLists(c.cells.size(), {touched}));
@@ -147,14 +147,14 @@ TEST(PlainTwins, InteriorFit) {
   Coefficients none;
   EXPECT_THROW(plain.at(beside.number(0), none.data()), std::logic_error);
 
-  RecoveredField stored = part_of(c.field, beside);
+  RecoveredField stored = restricted_field(c.field, beside);
   stored.interior = std::make_shared<InteriorFit>(plain);
   const Scales scales{0.5, 2};
   const EnergySums whole = estimate_error(c.mesh, scales, c.field, c.u, nullptr),
                    made = estimate_error(c.mesh, scales, stored, c.u, nullptr);
   EXPECT_EQ(whole.error, made.error);
   EXPECT_EQ(whole.error_of_cell, made.error_of_cell);
-  const RecoveredField copy = part_of(stored, Subset(c.mesh.num_nodes));
+  const RecoveredField copy = restricted_field(stored, Subset(c.mesh.num_nodes));
   const double corner[3] = {1, -1, 1}, middle[3] = {0.2, -0.3, 0.7};
   for (int cell = 0; cell < c.cells.size(); ++cell)
     for (const double* xi : {corner, middle}) {
@@ -167,7 +167,7 @@ TEST(PlainTwins, InteriorFit) {
     }
 }
 
-TEST(PlainTwins, ErrorEstimate) {
+TEST(PlainReferences, ErrorEstimate) {
   const Case c;
   const double nu = 0.3, factor = std::pow(c.mesh.h(0), 3) / 8 / c.mesh.modulus;
   const auto energy = [&](const double s[6]) {
@@ -217,7 +217,7 @@ TEST(PlainTwins, ErrorEstimate) {
 }
 
 /// Free boundary everywhere and a body force: patches inside by hand, all others with the dense KKT matrix.
-TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
+TEST(PlainReferences, ConstrainedPatchesAreInEquilibriumAndNearest) {
   const Case c;
   BoundaryData boundary;
   boundary.conditions.resize(1);
@@ -249,18 +249,18 @@ TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
 }
 
 /// The points of every group carry the first and second moments of its boundary points.
-TEST(PlainTwins, ConstraintGroups) {
+TEST(PlainReferences, ConstraintGroups) {
   const Case c;
   BoundaryData boundary;
   boundary.condition_of_point.assign(c.cc.boundary.size(), 0);
   boundary.pair_of_point.assign(c.cc.boundary.size(), -1);
   for (std::size_t p = 0; p < c.cc.boundary.size(); p += 2) boundary.condition_of_point[p] = 1;
-  const BoundaryPieces pieces(c.cc, boundary);
+  const BoundaryFacets facets(c.cc, boundary);
   int threes = 0;
   for (int n = 0; n < c.mesh.num_nodes; ++n) {
     const int* cells = c.patches.cells.data() + c.patches.begin[n];
     const int num_cells = c.patches.begin[n + 1] - c.patches.begin[n];
-    for (const ConstraintGroup& group : pieces.groups(cells, num_cells)) {
+    for (const ConstraintGroup& group : facets.groups(cells, num_cells)) {
       double area = 0;
       Vec3 centroid = Vec3::Zero(), mean = Vec3::Zero();
       Mat3 second = Mat3::Zero(), of_points = Mat3::Zero();
@@ -289,10 +289,10 @@ TEST(PlainTwins, ConstraintGroups) {
   EXPECT_GT(threes, 100);
 }
 
-/// Of a shaft with 20 grooves in a cell every patch has a bounded number of constraint points; they keep the area, and
+/// Every patch of a shaft with 20 grooves in a cell has a bounded number of constraint points; they keep the area, and
 /// the mean planes of the groups the force of a pressure (area times normal) of each patch up to the spread of the
 /// normals in a group: less than 60 degrees, here 45 on both sides.
-TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
+TEST(PlainReferences, GroupsOfRoughSurfacesAreBounded) {
   const TriangleSoup soup = test::prism_soup(test::star(800, 3, 2.9), {0, 0}, 4);
   const Solid solid = Solid::bounded_by(test::surface_of(soup)).transformed(Mat3::Identity(), {4.1, 4.2, 1.3});
   Grid grid;
@@ -301,12 +301,12 @@ TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
   BoundaryData boundary;
   boundary.condition_of_point.assign(cells.boundary.size(), 0);
   boundary.pair_of_point.assign(cells.boundary.size(), -1);
-  const BoundaryPieces pieces(cells, boundary);
+  const BoundaryFacets facets(cells, boundary);
   std::vector<double> area(cells.cells.size(), 0);
   for (std::size_t p = 0; p < cells.boundary.size(); ++p) area[cells.boundary.cell[p]] += cells.boundary.weight[p];
   for (int c = 0; c < static_cast<int>(cells.cells.size()); ++c) {
     double of_groups = 0;
-    const std::vector<ConstraintGroup> groups = pieces.groups(&c, 1, 2);
+    const std::vector<ConstraintGroup> groups = facets.groups(&c, 1, 2);
     EXPECT_LE(groups.size(), 16u);
     for (const ConstraintGroup& group : groups) of_groups += group.area;
     EXPECT_NEAR(of_groups, area[c], 1e-12);
@@ -314,4 +314,4 @@ TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
 }
 
 }  // namespace
-}  // namespace cgcontact::test_plain_twins
+}  // namespace cgcontact::test_plain_references

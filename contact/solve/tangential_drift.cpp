@@ -1,4 +1,4 @@
-#include "contact/solve/surface_wanderers.hpp"
+#include "contact/solve/tangential_drift.hpp"
 
 #include <algorithm>
 
@@ -40,8 +40,8 @@ double smallest_contact_cell(const std::vector<ContactPair>& pairs, const std::v
 
 }  // namespace
 
-SurfaceWanderers::SurfaceWanderers(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
-                                   const std::vector<ContactPair>& pairs) {
+TangentialDrift::TangentialDrift(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                 const std::vector<ContactPair>& pairs) {
   std::vector<SupportPoint> still;
   for (const SupportPoint& p : supports)
     if (!p.follows) still.push_back(p);
@@ -55,32 +55,33 @@ SurfaceWanderers::SurfaceWanderers(const std::vector<BodyModel>& bodies, const s
     std::vector<int> members;
     for (int b = first; b < static_cast<int>(bodies.size()); ++b)
       if (assembly[b] == first) members.push_back(b);
-    Wanderer wanderer{all, smallest_contact_cell(pairs, members)};
-    wanderer.motions.modes = not_driven(of_bodies(all.modes, members), load, magnitude);
-    if (!wanderer.motions.empty() && wanderer.cell > 0) wanderers_.push_back(wanderer);
+    DriftingBody drifting{all, smallest_contact_cell(pairs, members)};
+    drifting.motions.modes = not_driven(of_bodies(all.modes, members), load, magnitude);
+    if (!drifting.motions.empty() && drifting.cell > 0) bodies_.push_back(drifting);
   }
 }
 
-double SurfaceWanderers::farthest(const std::vector<RigidPart>& parts) const {
+double TangentialDrift::farthest(const std::vector<BodyMotion>& motions) const {
   double most = 0;
-  for (const Wanderer& wanderer : wanderers_) {
-    Eigen::VectorXd motion(6 * parts.size());
-    for (std::size_t b = 0; b < parts.size(); ++b) {
-      const RigidPiece& piece = wanderer.motions.bodies[b];
-      motion.segment<3>(6 * b) = parts[b].translation + parts[b].rotation.cross(piece.centre() - parts[b].centre);
-      motion.segment<3>(6 * b + 3) = piece.size() * parts[b].rotation;
+  for (const DriftingBody& drifting : bodies_) {
+    Eigen::VectorXd motion(6 * motions.size());
+    for (std::size_t b = 0; b < motions.size(); ++b) {
+      const RigidComponent& component = drifting.motions.bodies[b];
+      motion.segment<3>(6 * b) =
+          motions[b].translation + motions[b].rotation.cross(component.centre() - motions[b].centre);
+      motion.segment<3>(6 * b + 3) = component.size() * motions[b].rotation;
     }
-    most = std::max(most, (wanderer.motions.modes.transpose() * motion).norm() / wanderer.cell);
+    most = std::max(most, (drifting.motions.modes.transpose() * motion).norm() / drifting.cell);
   }
   return most;
 }
 
-std::vector<SupportPoint> SurfaceWanderers::hold(const std::vector<BodyModel>& bodies) const {
+std::vector<SupportPoint> TangentialDrift::hold(const std::vector<BodyModel>& bodies) const {
   std::vector<SupportPoint> points;
-  for (const Wanderer& wanderer : wanderers_)
-    for (const SupportPoint& point : cgcontact::hold(wanderer.motions, bodies)) {
+  for (const DriftingBody& drifting : bodies_)
+    for (const SupportPoint& point : cgcontact::hold(drifting.motions, bodies)) {
       points.push_back(point);
-      points.back().keeps_place = true;
+      points.back().holds_along_surface = true;
     }
   return points;
 }

@@ -12,7 +12,7 @@ namespace cgcontact {
 
 /// u(x) = translation + rotation x (x - centre) + expansion (x - centre), m, global axes; small rotation. In global
 /// axes a motion along one of them has no rounding in the other two, which supports hold with kappa E/h.
-struct RigidPart {
+struct BodyMotion {
   Vec3 translation = Vec3::Zero(), rotation = Vec3::Zero();
   Mat3 expansion = Mat3::Zero();  ///< given: BodyModel::expansion
   Vec3 centre = Vec3::Zero();     ///< mean of the nodes
@@ -23,18 +23,18 @@ struct RigidPart {
 };
 
 /// Rigid motions of all bodies.
-class RigidParts {
+class BodyMotions {
  public:
   /// The meshes must outlive this.
-  RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales);
+  BodyMotions(const std::vector<BodyMesh>& meshes, const Scales& scales);
 
-  const std::vector<RigidPart>& of_bodies() const { return parts_; }
+  const std::vector<BodyMotion>& of_bodies() const { return motions_; }
   /// Sets the thermal expansion of one body.
-  void set_expansion(std::size_t body, const Mat3& expansion) { parts_[body].expansion = expansion; }
+  void set_expansion(std::size_t body, const Mat3& expansion) { motions_[body].expansion = expansion; }
   /// Resets all motions to the expansions.
   void forget();
   /// Returns the same for kernels.
-  Kokkos::View<const RigidPart*, MemSpace> on_device() const;
+  Kokkos::View<const BodyMotion*, MemSpace> on_device() const;
   /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
   /// u here.
   void set_aside(const ExecSpace& exec, const RealView& u);
@@ -46,7 +46,7 @@ class RigidParts {
  private:
   const std::vector<BodyMesh>& meshes_;
   double length_;
-  std::vector<RigidPart> parts_;
+  std::vector<BodyMotion> motions_;
   std::vector<Vec3> centre_;   ///< mean of the nodes, cells
   std::vector<Mat3> inertia_;  ///< sum over the nodes of |d|^2 I - d d^T, d from the centre, cells
 };

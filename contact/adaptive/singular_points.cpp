@@ -1,4 +1,4 @@
-#include "contact/adaptive/singular_places.hpp"
+#include "contact/adaptive/singular_points.hpp"
 
 #include <fmt/format.h>
 
@@ -18,23 +18,23 @@ constexpr int radii = 5;
 /// Positions no farther apart than this, in cells or as a fraction of the body's longest side, are one.
 constexpr double apart_cells = 8, apart_part = 1.0 / 12;
 /// Number of candidates per body, those with the largest errors.
-constexpr int most_candidates = 16;
+constexpr int max_candidates = 16;
 /// Cells of less volume than that (of a whole one) are no candidates: their density is rounding.
-constexpr double least_volume = 0.1;
+constexpr double min_volume = 0.1;
 /// Least values at a singular position (error: of the energy norm in the ball). Measured: notches, clamped edges, rims
 /// and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact zones: error
 /// up to 0.3, fall -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
-constexpr double least_error = 0.25, least_fall = 0.15, least_growth = 0.15;
+constexpr double min_error = 0.25, min_fall = 0.15, min_growth = 0.15;
 /// Cells, of the last solve's there: solves with larger ones say nothing of the exponent.
 constexpr double largest_cell = 40;
 /// Least refinement of the cells there.
-constexpr double least_refinement = 2;
+constexpr double min_refinement = 2;
 /// Largest ratio of cells to those of the last solve for the final growth rate: where an edge lies in its cells changes
 /// the measure by up to 1.3.
 constexpr double end_refinement = 2.5;
 
 /// Cosine of the angle by which a surface may turn in the ball: 30 degrees in three cells, a radius of six cells.
-constexpr double least_cosine = 0.87;
+constexpr double min_cosine = 0.87;
 
 struct Ball {
   double energy = 0, error = 0, volume = 0;
@@ -76,7 +76,7 @@ std::vector<std::size_t> candidates(const CellEnergies& cells) {
   std::vector<std::size_t> order(cells.x.size());
   std::iota(order.begin(), order.end(), 0);
   const auto density = [&](std::size_t c) {
-    return cells.fraction[c] < least_volume ? 0 : cells.error[c] / cells.volume[c];
+    return cells.fraction[c] < min_volume ? 0 : cells.error[c] / cells.volume[c];
   };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return density(a) > density(b); });
   Vec3 low = Vec3::Constant(1e300), high = -low;
@@ -92,7 +92,7 @@ std::vector<std::size_t> candidates(const CellEnergies& cells) {
              std::max(apart_cells * std::max(cells.h[f], cells.h[c]), apart_part * side);
     });
     if (is_new) found.push_back(c);
-    if (found.size() == most_candidates) break;
+    if (found.size() == max_candidates) break;
   }
   return found;
 }
@@ -113,14 +113,14 @@ std::optional<Growth> growth_at(const std::vector<std::vector<CellEnergies>>& so
     if (h > largest_cell * last && points.size() > 1) break;
     if (stress > 0) points.emplace_back(std::log(h), std::log(stress));
   }
-  if (points.size() < 2 || points.back().first - points.front().first < std::log(least_refinement)) return std::nullopt;
+  if (points.size() < 2 || points.back().first - points.front().first < std::log(min_refinement)) return std::nullopt;
   const double growth = -slope(points);
   auto coarser = std::find_if(points.begin(), points.end(), [&](const auto& point) {
     return point.first > points.front().first + std::log(end_refinement);
   });
   if (coarser == points.end()) --coarser;
   const double at_the_end = -slope({points.front(), *coarser});
-  if (std::min(growth, at_the_end) < least_growth) return std::nullopt;
+  if (std::min(growth, at_the_end) < min_growth) return std::nullopt;
   return Growth{growth, std::exp(coarser->first)};
 }
 
@@ -170,19 +170,19 @@ bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
   };
   return std::any_of(normals.begin(), normals.end(), [&](const auto& surface) {
     const Vec3 end = farthest(surface.second, surface.second.front());
-    return farthest(surface.second, end).dot(end) < least_cosine;
+    return farthest(surface.second, end).dot(end) < min_cosine;
   });
 }
 
 /// Without the ends of singular edges, where further faces meet them.
-std::vector<SingularPlace> without_ends(const std::vector<SingularPlace>& places) {
-  std::vector<SingularPlace> kept;
-  for (const SingularPlace& place : places) {
-    const bool is_end = std::any_of(places.begin(), places.end(), [&](const SingularPlace& edge) {
-      return edge.body == place.body && edge.faces.size() < place.faces.size() && !edge.faces.empty() &&
-             std::includes(place.faces.begin(), place.faces.end(), edge.faces.begin(), edge.faces.end());
+std::vector<SingularPoint> without_ends(const std::vector<SingularPoint>& points) {
+  std::vector<SingularPoint> kept;
+  for (const SingularPoint& point : points) {
+    const bool is_end = std::any_of(points.begin(), points.end(), [&](const SingularPoint& edge) {
+      return edge.body == point.body && edge.faces.size() < point.faces.size() && !edge.faces.empty() &&
+             std::includes(point.faces.begin(), point.faces.end(), edge.faces.begin(), edge.faces.end());
     });
-    if (!is_end) kept.push_back(place);
+    if (!is_end) kept.push_back(point);
   }
   return kept;
 }
@@ -207,40 +207,40 @@ std::vector<CellEnergies> cell_energies(const Results& results) {
   return all;
 }
 
-std::vector<SingularPlace> singular_places(const SolvedState& state,
+std::vector<SingularPoint> singular_points(const SolvedState& state,
                                            const std::vector<std::vector<CellEnergies>>& solves) {
-  std::vector<SingularPlace> places;
+  std::vector<SingularPoint> points;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     if (state.bodies[b].spec->rigid()) continue;
     const CellEnergies& last = solves.back()[b];
     for (const std::size_t c : candidates(last)) {
-      SingularPlace place;
-      place.x = last.x[c];
-      place.cell = last.h[c];
-      if (ball_at(last, place.x, ball * place.cell).relative_error() < least_error) continue;
-      if (fall_exponent(last, place.x, place.cell) < least_fall) continue;
-      const auto growth = growth_at(solves, b, place.x);
-      if (!growth || has_unseen_fillet(state.bodies[b], place.x, ball * growth->cell)) continue;
-      place.exponent = growth->exponent;
-      place.body = state.bodies[b].spec->name;
-      place.faces = faces_near(state, b, place.x, ball * place.cell);
-      const bool is_new = std::none_of(places.begin(), places.end(), [&](const SingularPlace& other) {
-        return other.body == place.body && other.faces == place.faces;
+      SingularPoint point;
+      point.x = last.x[c];
+      point.cell = last.h[c];
+      if (ball_at(last, point.x, ball * point.cell).relative_error() < min_error) continue;
+      if (fall_exponent(last, point.x, point.cell) < min_fall) continue;
+      const auto growth = growth_at(solves, b, point.x);
+      if (!growth || has_unseen_fillet(state.bodies[b], point.x, ball * growth->cell)) continue;
+      point.exponent = growth->exponent;
+      point.body = state.bodies[b].spec->name;
+      point.faces = faces_near(state, b, point.x, ball * point.cell);
+      const bool is_new = std::none_of(points.begin(), points.end(), [&](const SingularPoint& other) {
+        return other.body == point.body && other.faces == point.faces;
       });
-      if (is_new) places.push_back(place);
+      if (is_new) points.push_back(point);
     }
   }
-  return without_ends(places);
+  return without_ends(points);
 }
 
-std::string describe(const SingularPlace& place) {
-  const Vec3& x = place.x;
+std::string describe(const SingularPoint& point) {
+  const Vec3& x = point.x;
   std::string faces;
-  for (const std::string& face : place.faces) faces += fmt::format("{}\"{}\"", faces.empty() ? "" : ", ", face);
+  for (const std::string& face : point.faces) faces += fmt::format("{}\"{}\"", faces.empty() ? "" : ", ", face);
   return fmt::format(
       "body \"{}\": the stress at ({:.4g}, {:.4g}, {:.4g}) m{} has no finite value: from solve to solve it grows like "
       "h^-{:.2f} (cells of {:.2g} m now); a fillet, or a load or support that does not end there, would make it finite",
-      place.body, x[0], x[1], x[2], faces.empty() ? "" : " (faces " + faces + ")", place.exponent, place.cell);
+      point.body, x[0], x[1], x[2], faces.empty() ? "" : " (faces " + faces + ")", point.exponent, point.cell);
 }
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-#include "contact/adaptive/small_zone_places.hpp"
+#include "contact/adaptive/small_zone_positions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ constexpr double near_plane = 1.5;
 constexpr double fills = 0.8;
 /// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
 constexpr double line_indentation = 0.75 * pi;
-constexpr int most_doublings = 30, bisections = 40;
+constexpr int max_doublings = 30, bisections = 40;
 /// Power of the depth that the force of a round zone goes with; that of other zones goes with a smaller one.
 constexpr double force_power = 1.5;
 
@@ -78,7 +78,7 @@ class Overlap {
       double area = 0;
       for (const GapSample& s : found)
         if (s.distance < limit) area += s.area;
-      if (area > fills * area_ || k == most_doublings) return {};
+      if (area > fills * area_ || k == max_doublings) return {};
       force = force_at(found, limit);
       if (force >= force_) break;
     }
@@ -105,11 +105,11 @@ class Overlap {
 
  private:
   std::vector<GapSample> sampled(double limit) {
-    std::vector<std::vector<GapSample>> parts(groups_.size());
-    parallel_for("cgcontact::small_zone_places::sample", parts.size(), 1,
-                 [&](std::size_t g) { parts[g] = samplers_[g].samples(limit); });
+    std::vector<std::vector<GapSample>> of_group(groups_.size());
+    parallel_for("cgcontact::small_zone_places::sample", of_group.size(), 1,
+                 [&](std::size_t g) { of_group[g] = samplers_[g].samples(limit); });
     std::vector<GapSample> all;
-    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    for (const auto& found : of_group) all.insert(all.end(), found.begin(), found.end());
     choose_planes(all);
     return all;
   }
@@ -198,7 +198,7 @@ void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zo
   const std::vector<int> set = connected_sets(
       closed.size(), reach, [&](std::size_t i) { return groups[closed[i]].centre; },
       [&](int i, int k) { return joined(closed[i], closed[k]); });
-  std::vector<SizedBall> places;
+  std::vector<SizedBall> balls;
   double narrowest = 1e300;
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (set[i] != static_cast<int>(i)) continue;
@@ -213,10 +213,10 @@ void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zo
     const std::vector<GapSample> samples = overlap.samples();
     if (samples.empty()) return;
     narrowest = std::min(narrowest, overlap.width(samples));
-    for (const GapSample& s : samples) places.push_back({s.x, overlap.reach(s), 0});
+    for (const GapSample& s : samples) balls.push_back({s.x, overlap.reach(s), 0});
   }
-  if (places.empty()) return;
-  zone.places = std::move(places);
+  if (balls.empty()) return;
+  zone.balls = std::move(balls);
   zone.width = narrowest;
   zone.narrowed = true;
 }

@@ -25,14 +25,14 @@ struct ConstraintGroup {
 };
 
 /// The boundary points of one body by cell, surface and kind, condensed to their moments once for all patches.
-class BoundaryPieces {
+class BoundaryFacets {
  public:
-  BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
+  BoundaryFacets(const CutCells& cut_cells, const BoundaryData& boundary);
 
-  /// Groups the boundary pieces inside the cells of a patch, by surface, condition and pair, without rounding of
+  /// Groups the boundary facets inside the cells of a patch, by surface, condition and pair, without rounding of
   /// tangent faces; points for polynomials of the given degree (0: one point each), which a patch with cells of size
-  /// `unit` can distinguish. Of more than 12 pieces those below an eighth of the area are joined by direction (60
-  /// degrees) into mean planes, whose `surface` is that of the largest piece.
+  /// `unit` can distinguish. Of more than 12 facets those below an eighth of the area are joined by direction (60
+  /// degrees) into mean planes, whose `surface` is that of the largest facet.
   void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups, double unit = 1) const;
   std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
     std::vector<ConstraintGroup> found;
@@ -41,25 +41,25 @@ class BoundaryPieces {
   }
 
  private:
-  struct Piece {
+  struct Facet {
     int surface, condition, pair;
     double area = 0;
-    Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();  ///< normal: integral over the piece
+    Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();  ///< normal: integral over the facet
     Mat3 second = Mat3::Zero();                           ///< about the centroid
-    bool is_rough = false;                                ///< joined from pieces of several surfaces
+    bool is_rough = false;                                ///< joined from facets of several surfaces
     auto kind() const { return std::tie(surface, condition, pair); }
   };
-  void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end, std::vector<Piece>& pieces) const;
-  static void join_small(std::vector<Piece>& wholes);
-  static void join(Piece& whole, const Piece& part);
-  void place_points(const Piece& whole, const Vec3& patch, const Surface& surface, int degree, double unit,
-                    ConstraintGroup& group) const;
+  void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end, std::vector<Facet>& facets) const;
+  static void join_small(std::vector<Facet>& wholes);
+  static void join(Facet& whole, const Facet& facet);
+  void put_points(const Facet& whole, const Vec3& patch, const Surface& surface, int degree, double unit,
+                  ConstraintGroup& group) const;
 
   const CutCells& cut_cells_;
   const Vec3 middle_;  ///< of the body, grid coordinates
   const double width_of_rounding_;
-  std::vector<int> begin_;  ///< cut cell -> first piece, and the end
-  std::vector<Piece> pieces_;
+  std::vector<int> begin_;  ///< cut cell -> first facet, and the end
+  std::vector<Facet> facets_;
 };
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-#include "contact/motions/free_pieces.hpp"
+#include "contact/motions/free_components.hpp"
 
 #include <fmt/format.h>
 
@@ -18,24 +18,24 @@ namespace {
 constexpr double negligible = 1e-3;
 /// Mean squared resistance of a face to a motion (of 1 at its fastest) that makes it worth naming.
 constexpr double worth_holding = 0.02;
-constexpr std::size_t most_pieces = 1000;
+constexpr std::size_t max_components = 1000;
 
 /// Components that are rounding beside the others, or beside `size`, are zero.
 std::string as_text(Vec3 x, double size = 0) {
-  for (double& component : x)
-    if (std::abs(component) < 1e-9 * std::max(size, x.norm())) component = 0;
+  for (double& value : x)
+    if (std::abs(value) < 1e-9 * std::max(size, x.norm())) value = 0;
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]);
 }
 
-std::string motion_text(const RigidPiece& piece, const RigidMotion& m) {
-  const Vec3 t = m.head<3>(), r = m.tail<3>() / piece.size();
+std::string motion_text(const RigidComponent& component, const RigidMotion& m) {
+  const Vec3 t = m.head<3>(), r = m.tail<3>() / component.size();
   if (m.tail<3>().norm() < negligible * m.norm()) return "move along " + direction_text(t.normalized());
   const Vec3 axis = r.normalized();
   // A screw: its axis passes where the velocity is along it.
-  const Vec3 point = piece.centre() + r.cross(t) / r.squaredNorm();
+  const Vec3 point = component.centre() + r.cross(t) / r.squaredNorm();
   const bool slides = std::abs(t.dot(axis)) > negligible * m.norm();
   return fmt::format("{} about the axis along {} through {}", slides ? "turn and move" : "rotate", direction_text(axis),
-                     as_text(point, piece.size()));
+                     as_text(point, component.size()));
 }
 
 /// Orthonormal basis of the motions of `free` (columns) that `gram` does not resist.
@@ -67,13 +67,13 @@ std::vector<RigidMotion> readable_motions(Eigen::MatrixXd free) {
 class FreeMotion {
  public:
   FreeMotion(const Scene& scene, const std::vector<BodyModel>& bodies)
-      : scene_(scene), bodies_(bodies), pieces_(separate_pieces(bodies)) {}
+      : scene_(scene), bodies_(bodies), components_(components_of(bodies)) {}
 
   std::string describe(const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) const {
-    if (pieces_.list.size() > most_pieces)
+    if (components_.list.size() > max_components)
       return fmt::format("the bodies are in {} separate pieces: are the cells larger than their walls?",
-                         pieces_.list.size());
-    const Eigen::MatrixXd modes = free_rigid_motions(pieces_, bodies_, supports, pairs);
+                         components_.list.size());
+    const Eigen::MatrixXd modes = free_rigid_motions(components_, bodies_, supports, pairs);
     return modes.cols() == 0 ? "" : describe(modes);
   }
 
@@ -81,12 +81,12 @@ class FreeMotion {
   std::string describe(const Eigen::MatrixXd& modes) const {
     Eigen::Index chosen = 0;  // the component that moves most
     double most = -1;
-    for (std::size_t k = 0; k < pieces_.list.size(); ++k) {
+    for (std::size_t k = 0; k < components_.list.size(); ++k) {
       const double share = modes.middleRows<6>(static_cast<Eigen::Index>(6 * k)).norm();
       if (share > most * (1 + negligible)) chosen = static_cast<Eigen::Index>(k);
       most = std::max(most, share);
     }
-    const RigidPiece& piece = pieces_.list[chosen];
+    const RigidComponent& component = components_.list[chosen];
     const Eigen::MatrixXd own = modes.middleRows<6>(6 * chosen);
     const SingularValues svd(own, Eigen::ComputeThinU | Eigen::ComputeThinV);
     Eigen::Index dimension = 0;
@@ -96,34 +96,34 @@ class FreeMotion {
       return fmt::format(
           "{} is not held at all: it is free to move and rotate in every direction: add supports or "
           "contacts that hold it{}",
-          piece_text(chosen), advice(chosen, free));
+          component_text(chosen), advice(chosen, free));
     std::string text;
     const std::vector<RigidMotion> motions = readable_motions(free);
     for (std::size_t k = 0; k < motions.size(); ++k)
-      text += (k == 0 ? "" : k + 1 < motions.size() ? ", to " : " and to ") + motion_text(piece, motions[k]);
+      text += (k == 0 ? "" : k + 1 < motions.size() ? ", to " : " and to ") + motion_text(component, motions[k]);
     // The motion of all in which this component does the first one and the others as little as they can.
     const Eigen::VectorXd share = (free.transpose() * motions[0]).cwiseQuotient(svd.values().head(dimension));
     const Eigen::VectorXd together = modes * (svd.right().leftCols(dimension) * share);
-    return fmt::format("{} is free to {}{}: add a support or a contact that holds it{}", piece_text(chosen), text,
+    return fmt::format("{} is free to {}{}: add a support or a contact that holds it{}", component_text(chosen), text,
                        companions_text(chosen, together), advice(chosen, free));
   }
 
-  std::string piece_text(Eigen::Index k) const {
-    const RigidPiece& piece = pieces_.list[k];
-    const std::string name = fmt::format("body \"{}\"", scene_.bodies[piece.body].name);
-    const auto same = [&](const RigidPiece& other) { return other.body == piece.body; };
-    const auto count = std::count_if(pieces_.list.begin(), pieces_.list.end(), same);
+  std::string component_text(Eigen::Index k) const {
+    const RigidComponent& component = components_.list[k];
+    const std::string name = fmt::format("body \"{}\"", scene_.bodies[component.body].name);
+    const auto same = [&](const RigidComponent& other) { return other.body == component.body; };
+    const auto count = std::count_if(components_.list.begin(), components_.list.end(), same);
     if (count == 1) return name;
-    const auto number = std::count_if(pieces_.list.begin(), pieces_.list.begin() + k + 1, same);
+    const auto number = std::count_if(components_.list.begin(), components_.list.begin() + k + 1, same);
     return fmt::format("{} is in {} separate pieces: piece {}, from {} to {} m,", name, count, number,
-                       as_text(piece.low), as_text(piece.high));
+                       as_text(component.low), as_text(component.high));
   }
 
   std::string companions_text(Eigen::Index chosen, const Eigen::VectorXd& motion) const {
     std::vector<std::string> names;
-    for (std::size_t k = 0; k < pieces_.list.size(); ++k) {
+    for (std::size_t k = 0; k < components_.list.size(); ++k) {
       const auto index = static_cast<Eigen::Index>(k);
-      const std::string name = '"' + scene_.bodies[pieces_.list[k].body].name + '"';
+      const std::string name = '"' + scene_.bodies[components_.list[k].body].name + '"';
       if (index != chosen && motion.segment<6>(6 * index).norm() > negligible * motion.norm() &&
           std::find(names.begin(), names.end(), name) == names.end())
         names.push_back(name);
@@ -136,15 +136,15 @@ class FreeMotion {
   std::string advice(Eigen::Index chosen, Eigen::MatrixXd free) const {
     std::map<std::string, Eigen::Matrix<double, 6, 6>> resistance;  // of "face", symmetry ... per unit area
     std::map<std::string, double> area;
-    const RigidPiece& piece = pieces_.list[chosen];
-    const BodyModel& body = bodies_[piece.body];
+    const RigidComponent& component = components_.list[chosen];
+    const BodyModel& body = bodies_[component.body];
     for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-      if (pieces_.of_cell[piece.body][body.cut_cells.boundary.cell[p]] != chosen) continue;
+      if (components_.of_cell[component.body][body.cut_cells.boundary.cell[p]] != chosen) continue;
       if (body.boundary.pair_of_point[p] >= 0) continue;
       for (const std::string& name : body.surface_names(p)) {
-        const std::string face = fmt::format("{{face = \"{}.{}\", ", scene_.bodies[piece.body].name, name);
+        const std::string face = fmt::format("{{face = \"{}.{}\", ", scene_.bodies[component.body].name, name);
         const auto add = [&](const std::string& how, const Vec3& d) {
-          const RigidMotion q = piece.row(body.point(p), d);
+          const RigidMotion q = component.row(body.point(p), d);
           const auto entry = resistance.emplace(face + how, Eigen::Matrix<double, 6, 6>::Zero()).first;
           entry->second.noalias() += body.area(p) * q * q.transpose();
           area[face + how] += body.area(p);
@@ -174,7 +174,7 @@ class FreeMotion {
 
   const Scene& scene_;
   const std::vector<BodyModel>& bodies_;
-  const RigidPieces pieces_;
+  const RigidComponents components_;
 };
 
 }  // namespace

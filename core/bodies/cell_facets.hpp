@@ -1,4 +1,4 @@
-/// One cell of a boolean expression of surfaces: the surfaces that cross it, its moments, and the pieces of the
+/// One cell of a boolean expression of surfaces: the surfaces that cross it, its moments, and the facets of the
 /// boundary in it.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace cgcontact {
 /// Integrates the moments of the body in the cell `cell` of the grid (in grid coordinates).
 Moments cell_moments(const CsgBody& solid, const LocalSolid& local, const Index3& cell);
 
-/// Adds points on the pieces of the body's boundary in a cell; `selected`: its surfaces, empty: all. `points.cell` is
+/// Adds points on the facets of the body's boundary in a cell; `selected`: its surfaces, empty: all. `points.cell` is
 /// set to `owner`.
 void cell_boundary_points(const CsgBody& solid, const LocalSolid& local, const Index3& cell,
                           const std::vector<char>& selected, const std::vector<Plane>& dividers, int order, int owner,

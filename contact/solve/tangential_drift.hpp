@@ -7,27 +7,27 @@
 #include <vector>
 
 #include "contact/motions/free_motion.hpp"
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 
 namespace cgcontact {
 
 /// The motions along surfaces that the loads of the present step do not drive, of all bodies (bonded ones together)
 /// that supports leave free.
-class SurfaceWanderers {
+class TangentialDrift {
  public:
-  SurfaceWanderers(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
-                   const std::vector<ContactPair>& pairs);
+  TangentialDrift(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                  const std::vector<ContactPair>& pairs);
   /// Returns the largest distance that a body has moved along surfaces, in its smallest cells at contact.
-  double farthest(const std::vector<RigidPart>& parts) const;
+  double farthest(const std::vector<BodyMotion>& motions) const;
   /// Returns points that hold all these motions.
   std::vector<SupportPoint> hold(const std::vector<BodyModel>& bodies) const;
 
  private:
-  struct Wanderer {
+  struct DriftingBody {
     FreeMotions motions;
     double cell = 0;  ///< m
   };
-  std::vector<Wanderer> wanderers_;
+  std::vector<DriftingBody> bodies_;
 };
 
 }  // namespace cgcontact

@@ -3,19 +3,19 @@
 
 #include <cmath>
 
-#include "contact/solve/rigid_part.hpp"
+#include "contact/solve/body_motion.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact::test_rigid_part {
+namespace cgcontact::test_body_motion {
 namespace {
 
 using Field = std::function<Vec3(int body, const Vec3& x)>;  ///< m, global axes
 
-class RigidPartsOfTurnedGrids : public testing::Test {
+class RigidMotionsOfTurnedGrids : public testing::Test {
  protected:
-  RigidPartsOfTurnedGrids()
+  RigidMotionsOfTurnedGrids()
       : scene_(read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/patch_test.toml", {})), sim_(scene_) {
-    sim_.place_on_grids();
+    sim_.set_up_grids();
     sim_.make_system();
     u_ = RealView("u", sim_.state.system.num_dofs());
   }
@@ -54,51 +54,51 @@ Vec3 deformation(int body, const Vec3& x) { return 1e-3 * Vec3(x[1], x[0], (body
 /// Up to rounding of the largest displacement, 300 m here: 1e-13 of it.
 constexpr double rounding = 3e-11;
 
-TEST_F(RigidPartsOfTurnedGrids, TakeRigidMotionsWhole) {
-  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
+TEST_F(RigidMotionsOfTurnedGrids, TakeRigidMotionsWhole) {
+  BodyMotions motions(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
-  parts.set_aside(ExecSpace(), u_);
+  motions.set_aside(ExecSpace(), u_);
   for (std::size_t i = 0; i < u_.extent(0); ++i) ASSERT_NEAR(u_(i), 0, rounding);
   for (int b = 0; b < 2; ++b)
     for (const Vec3& x : {Vec3(0, 0, 0), Vec3(1, -0.4, 0.7)})
-      EXPECT_LT((parts.of_bodies()[b].at(x) - rigid(b, x)).norm(), rounding);
-  EXPECT_GE(parts.largest_displacement(ExecSpace(), u_) * sim_.state.scales.length, 300);
-  EXPECT_LT(parts.largest_displacement(ExecSpace(), u_) * sim_.state.scales.length, 301);
+      EXPECT_LT((motions.of_bodies()[b].at(x) - rigid(b, x)).norm(), rounding);
+  EXPECT_GE(motions.largest_displacement(ExecSpace(), u_) * sim_.state.scales.length, 300);
+  EXPECT_LT(motions.largest_displacement(ExecSpace(), u_) * sim_.state.scales.length, 301);
 }
 
-TEST_F(RigidPartsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) {
-  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
+TEST_F(RigidMotionsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) {
+  BodyMotions motions(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   add(deformation);
-  parts.set_aside(ExecSpace(), u_);
+  motions.set_aside(ExecSpace(), u_);
   const Field all = [](int body, const Vec3& x) -> Vec3 { return rigid(body, x) + deformation(body, x); };
   const auto at_dof = [&](int dof) {
     const std::vector<BodyMesh>& meshes = sim_.state.system.meshes;
     const int node = node_of_dof(dof), b = node < meshes[1].first_node ? 0 : 1;
     const Grid& grid = meshes[b].cut_cells->grid;
     const Vec3 x = grid.to_global(meshes[b].node_position(node - meshes[b].first_node));
-    return grid.rotation.col(component_of_dof(dof)).dot(parts.of_bodies()[b].at(x));
+    return grid.rotation.col(component_of_dof(dof)).dot(motions.of_bodies()[b].at(x));
   };
   for_each_dof(all, [&](int dof, double value) {
     ASSERT_NEAR(u_(dof) + at_dof(dof) / sim_.state.scales.length, value, rounding / sim_.state.scales.length);
   });
-  const RigidPart before = parts.of_bodies()[1];
-  parts.set_aside(ExecSpace(), u_);
-  EXPECT_LT((parts.of_bodies()[1].at(Vec3(1, 1, 1)) - before.at(Vec3(1, 1, 1))).norm(), rounding);
+  const BodyMotion before = motions.of_bodies()[1];
+  motions.set_aside(ExecSpace(), u_);
+  EXPECT_LT((motions.of_bodies()[1].at(Vec3(1, 1, 1)) - before.at(Vec3(1, 1, 1))).norm(), rounding);
 }
 
 /// What makes stiff bodies on soft ones exact: a small field added after the large motion is found to its own rounding,
 /// not to that of the motion.
-TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
-  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
+TEST_F(RigidMotionsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
+  BodyMotions motions(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
-  parts.set_aside(ExecSpace(), u_);
+  motions.set_aside(ExecSpace(), u_);
   Kokkos::deep_copy(u_, 0.0);
   add(deformation);
-  parts.set_aside(ExecSpace(), u_);
+  motions.set_aside(ExecSpace(), u_);
   double largest = 0;
   for (std::size_t i = 0; i < u_.extent(0); ++i) largest = std::max(largest, std::abs(u_(i)));
-  RigidParts alone(sim_.state.system.meshes, sim_.state.scales);
+  BodyMotions alone(sim_.state.system.meshes, sim_.state.scales);
   RealView v("v", u_.extent(0));
   for_each_dof(deformation, [&](int dof, double value) { v(dof) = value; });
   alone.set_aside(ExecSpace(), v);
@@ -106,4 +106,4 @@ TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
 }
 
 }  // namespace
-}  // namespace cgcontact::test_rigid_part
+}  // namespace cgcontact::test_body_motion
