@@ -235,6 +235,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
     if (k > 0 && rubs() && ran_out && first_failure.empty() && increments.size() < steps.size() + max_divisions) {
       const double begin = increments[i - 1].step == k ? increments[i - 1].fraction : 0;
       increments.insert(increments.begin() + i, {k, (begin + increments[i].fraction) / 2});
+      make_system();
       solver = make_solver();
       i = first_increment_of_new_solver(i);
       continue;
@@ -280,6 +281,7 @@ bool Simulation::rubs() const {
 /// A new solver does not know what friction has done in the steps before: with friction all of them come again.
 std::size_t Simulation::first_increment_of_new_solver(std::size_t increment) {
   if (!rubs()) return increment;
+  preload_.begin_again();
   results.steps.clear();
   return 0;
 }

@@ -16,6 +16,11 @@ class Preload {
   bool any() const { return !tightened_.empty(); }
   /// Starts from the result for the same scene on other grids.
   void start_from(const Preload& earlier);
+  /// Goes on where all steps come again: with friction the forces are others then, which says nothing of the stiffness.
+  void begin_again() {
+    step_.setZero();
+    solves_ = 1;
+  }
   /// Begins before the first solve; without a start, a guess by the size of the bodies.
   void begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs);
   /// Returns the amount by which a pair's interference has to exceed that of the scene, m.

@@ -97,7 +97,7 @@ class DimensionParser {
   Found power() {
     while (!take_one_of({"+", "-"}).empty()) {
     }
-    const Found base = operand();
+    const Found base = primary();
     if (!take("^")) return base;
     const std::size_t begin = at_;
     const Found exponent = power();
@@ -109,7 +109,7 @@ class DimensionParser {
     return Dimension{};
   }
 
-  Found operand() {
+  Found primary() {
     if (take("(")) {
       const Found inside = condition();
       take(")");
