@@ -17,8 +17,8 @@ double cpu_quota(const std::string& groups, const std::string& root);
 
 /// Sets up the OpenMP runtime, which reads its settings before main: starts the program again, in the same process,
 /// with OMP_NUM_THREADS as given and, unless set, OMP_PROC_BIND, OMP_PLACES, OPENBLAS_NUM_THREADS, MALLOC_ARENA_MAX and
-/// GLIBC_TUNABLES. Returns if the environment is right already (so the second time), or if the system does not allow it. threads = 0:
-/// OMP_NUM_THREADS if set, else available_threads().
+/// GLIBC_TUNABLES. Returns if the environment is right already (so the second time), or if the system does not allow
+/// it. threads = 0: OMP_NUM_THREADS if set, else available_threads().
 void restart_with_openmp_settings(int threads, char** argv);
 
 /// Gives this thread back all CPUs of the process: an OpenMP runtime that binds its threads has bound the calling one

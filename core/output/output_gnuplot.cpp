@@ -38,7 +38,7 @@ constexpr char32_t drawable[][2] = {{0x20, 0x7e},     {0xa0, 0x2e9},    {0x300, 
                                     {0x3a3, 0x525},   {0x1e00, 0x1efb}, {0x2010, 0x2027}, {0x2030, 0x205e},
                                     {0x2074, 0x208e}, {0x20a0, 0x20b5}, {0x2100, 0x2109}, {0x2150, 0x2185},
                                     {0x2190, 0x2311}, {0x2500, 0x269c}};
-constexpr std::size_t max_at_once = 32;        // runs of gnuplot
+constexpr std::size_t max_at_once = 32;         // runs of gnuplot
 constexpr char32_t instead_of_others = 0x25a1;  // a square
 
 bool is_drawable(char32_t letter) {

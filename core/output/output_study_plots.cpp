@@ -72,8 +72,7 @@ std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, c
         if (row.variant != study.variants[v] || row.status != StudyRow::Status::solved) continue;
         const auto error = drawn_error(row, zone, kind);
         const double x = abscissa.value(row.figures);
-        if (error && *error > min_error && std::isfinite(*error) && x > 0)
-          curve.points.push_back({x, 100 * *error});
+        if (error && *error > min_error && std::isfinite(*error) && x > 0) curve.points.push_back({x, 100 * *error});
       }
       std::stable_sort(curve.points.begin(), curve.points.end(),
                        [](const Point& a, const Point& b) { return a.x < b.x; });

@@ -100,7 +100,8 @@ void DofMap::set_constraints(const std::vector<NodeConstraint>& constraints) {
     else
       sums.push_back(c);
   }
-  if (!across_nodes.empty()) across_nodes_ = copy_rows_to_view<AcrossNodesView>("cgcontact::dof_map::across_nodes", across_nodes);
+  if (!across_nodes.empty())
+    across_nodes_ = copy_rows_to_view<AcrossNodesView>("cgcontact::dof_map::across_nodes", across_nodes);
   if (!sums.empty()) sums_ = make_rows(sums);
 }
 

@@ -105,7 +105,8 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
   const AcrossNodesView across_nodes = dofs.across_nodes();
   if (across_nodes.extent(0) > 0)
     Kokkos::parallel_for(
-        "cgcontact::dof_map::across_nodes", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)), KOKKOS_LAMBDA(const int t) {
+        "cgcontact::dof_map::across_nodes", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)),
+        KOKKOS_LAMBDA(const int t) {
           for (int i = 0; i < dofs_per_node; ++i) x(dof_of(across_nodes(t, 1), i)) = x(dof_of(across_nodes(t, 0), i));
         });
   const ConstraintRows rows = dofs.sums();
