@@ -176,6 +176,10 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   preload_.begin(state.bodies, state.pairs);
   bool tightened = false;
   auto solver = make_solver();
+  const auto begin_again = [&](std::size_t& increment) {
+    solver = make_solver();
+    increment = first_increment_of_new_solver(increment);
+  };
   std::string first_failure;
   int extensions = 0;
   // The solution before bodies were held for having let go of their contact, and its closed points.
@@ -199,8 +203,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
     if (state.outer.converged && extensions < max_extensions && extend_contact_search()) {
       ++extensions;
       make_system();
-      solver = make_solver();
-      i = first_increment_of_new_solver(i);
+      begin_again(i);
       continue;
     }
     if (k == 0 && state.outer.converged && tighten()) {
@@ -221,8 +224,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       not_held = {state.outer, state.pairs};
       supports_not_held = state.supports.size();
       constrain_drift();
-      solver = make_solver();
-      i = first_increment_of_new_solver(i);
+      begin_again(i);
       continue;
     }
     if (!fault.empty()) {
@@ -236,8 +238,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       const double begin = increments[i - 1].step == k ? increments[i - 1].fraction : 0;
       increments.insert(increments.begin() + i, {k, (begin + increments[i].fraction) / 2});
       make_system();
-      solver = make_solver();
-      i = first_increment_of_new_solver(i);
+      begin_again(i);
       continue;
     }
     if (is_end && !state.scene.steps.empty()) record_step(k, progress);
@@ -259,7 +260,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
                                          [k](const Increment& increment) { return increment.step == k; });
         count > 1)
       add_warning(fmt::format("step {} of {}: with friction it did not converge at once, {} {} increments", k + 1,
-                              steps.size(), first_failure.empty() ? "but in" : "nor in", count));
+                              steps.size(), results.steps[k].converged ? "but in" : "nor in", count));
   if (state.outer.fallbacks > 0)
     add_warning(fmt::format("multigrid gave up ({}): MueLu preconditioned {} linear solves in its place",
                             state.outer.why_fallback, state.outer.fallbacks));
