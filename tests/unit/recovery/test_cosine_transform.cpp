@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/base/types.hpp"
 #include "recovery/face/cosine_transform.hpp"
 #include "tests/support/execution_spaces.hpp"
 
