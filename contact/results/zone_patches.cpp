@@ -19,7 +19,7 @@ constexpr int samples_per_cell = 48, min_samples = 4;
 /// Per cell, along a zone that goes on behind symmetry planes at both ends.
 constexpr int patches_along = 2;
 /// A whole zone has fewer patches per cell when it has more patches than that, some 100 across: more gain nothing
-/// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
+/// (docs/recovery.md). At fewer than min_per_cell the borders of the groups are lost among them.
 constexpr double max_patches = 8192;
 constexpr int min_per_cell = 5;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.

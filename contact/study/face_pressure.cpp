@@ -14,7 +14,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t num_columns = 15;
 constexpr std::size_t min_points = 3;  ///< for a fit
 /// Beside the end of a contact zone all within a cell would smooth it away. Beyond the farthest one the weight ends by
 /// so much.
@@ -22,10 +21,20 @@ constexpr std::size_t max_points = 6;
 constexpr double margin = 1.25;
 constexpr double open_below = 1e-9;  ///< of the largest pressure: SPR-C leaves 1e-10 of it outside
 
+/// Divides a line at its commas, those in quotes apart, as csv_text writes them.
 std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream stream(line);
-  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool doubled = quoted && line.compare(i, 2, "\"\"") == 0;
+    if (line[i] == '"' && !doubled)
+      quoted = !quoted;
+    else if (line[i] == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += line[i];
+    i += doubled;
+  }
   return fields;
 }
 
@@ -38,21 +47,31 @@ int body_index(const Scene& scene, const std::string& name) {
 }  // namespace
 
 std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& scene) {
+  const auto refuse = [&] { throw InputError(fmt::format("{} is not a contact.csv of this scene", file)); };
   std::istringstream text(read_text(file));
   std::vector<ContactRow> rows;
   std::string line;
-  std::getline(text, line);  // names of the columns
+  std::getline(text, line);
+  const std::vector<std::string> names = fields_of(line);
+  const auto column = [&](const char* name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) refuse();
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  const std::size_t body = column("body"), x = column("x"), y = column("y"), z = column("z"), weight = column("weight"),
+                    raw = column("pressure_raw"), spr = column("pressure_spr"), sprc = column("pressure_sprc");
   while (std::getline(text, line)) {
     const std::vector<std::string> fields = fields_of(line);
+    if (fields.size() != names.size()) refuse();
     ContactRow row;
-    row.body = fields.size() == num_columns ? body_index(scene, fields[0]) : -1;
-    if (row.body < 0) throw InputError(fmt::format("{} is not a contact.csv of this scene", file));
-    const auto number = [&](int column) { return std::strtod(fields[column].c_str(), nullptr); };
-    row.x = Vec3(number(2), number(3), number(4));
-    row.weight = number(8);
-    row.pressure_raw = number(10);
-    row.pressure_spr = number(11);
-    row.pressure_sprc = number(12);
+    row.body = body_index(scene, fields[body]);
+    if (row.body < 0) refuse();
+    const auto number = [&](std::size_t k) { return std::strtod(fields[k].c_str(), nullptr); };
+    row.x = Vec3(number(x), number(y), number(z));
+    row.weight = number(weight);
+    row.pressure_raw = number(raw);
+    row.pressure_spr = number(spr);
+    row.pressure_sprc = number(sprc);
     rows.push_back(row);
   }
   return rows;

@@ -12,9 +12,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double lost_facet = 1e-14;    // area of one surface in a cell that is rounding
 constexpr double half_diagonal = 0.87;  // of a cube of width 1
-constexpr double lost_group = 1e-15;    // the same for what dividers leave
 
 /// By how much a surface turns in a leaf.
 double turn_in(const Leaf& leaf, int surface) {

@@ -10,6 +10,9 @@
 
 namespace cgcontact {
 
+/// Areas over a cell's face that are rounding: of one surface in a cell, and of what dividers leave of it.
+constexpr double lost_facet = 1e-14, lost_group = 1e-15;
+
 /// Integrates the moments of the body in the cell `cell` of the grid (in grid coordinates).
 Moments cell_moments(const CsgBody& solid, const LocalSolid& local, const Index3& cell);
 

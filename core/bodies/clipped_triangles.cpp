@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "core/base/errors.hpp"
+#include "core/bodies/cell_facets.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 #include "core/quadrature/point_compression.hpp"
 
@@ -15,8 +16,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double lost_facet = 1e-14;  // area of one patch in a cell that is rounding
-constexpr double lost_group = 1e-15;  // the same for what dividers leave
 constexpr double plane_tolerance = 1e-10;
 constexpr double flat_tolerance = 1e-12;
 constexpr double join_tolerance = 1e-12;      // relative: facets as large as their convex hull fill it

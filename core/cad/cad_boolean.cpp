@@ -24,9 +24,6 @@ namespace cgcontact {
 
 namespace {
 
-gp_Pnt point(const Vec3& x) { return {x[0], x[1], x[2]}; }
-gp_Dir direction(const Vec3& x) { return {x[0], x[1], x[2]}; }
-
 /// The model moved, and where each of its faces went.
 struct Moved {
   TopoDS_Shape solid;
@@ -103,14 +100,15 @@ CadModel CadModel::combine(Operation operation, const CadModel& a, const Similar
 CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double radius) {
   TopoDS_Shape solid;
   if (surface.kind == Surface::Kind::sphere) {
-    solid = BRepPrimAPI_MakeSphere(point(surface.point), surface.radius).Shape();
+    solid = BRepPrimAPI_MakeSphere(point_of(surface.point), surface.radius).Shape();
   } else if (surface.kind == Surface::Kind::cylinder) {
     const Vec3 base = surface.point + ((centre - surface.point).dot(surface.direction) - radius) * surface.direction;
     solid =
-        BRepPrimAPI_MakeCylinder(gp_Ax2(point(base), direction(surface.direction)), surface.radius, 2 * radius).Shape();
+        BRepPrimAPI_MakeCylinder(gp_Ax2(point_of(base), direction_of(surface.direction)), surface.radius, 2 * radius)
+            .Shape();
   } else if (surface.kind == Surface::Kind::cone) {
     const double length = std::max(radius, (centre - surface.point).dot(surface.direction) + radius);
-    solid = BRepPrimAPI_MakeCone(gp_Ax2(point(surface.point), direction(surface.direction)), 0,
+    solid = BRepPrimAPI_MakeCone(gp_Ax2(point_of(surface.point), direction_of(surface.direction)), 0,
                                  length * surface.sine / surface.cosine, length)
                 .Shape();
   } else {
@@ -118,7 +116,7 @@ CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double
     const Vec3 middle = centre - (centre - surface.point).dot(surface.direction) * surface.direction;
     const double depth = radius + (middle - centre).norm();
     const Vec3 corner = middle - radius * (x + y) - depth * surface.direction;
-    solid = BRepPrimAPI_MakeBox(gp_Ax2(point(corner), direction(surface.direction), direction(x)), 2 * radius,
+    solid = BRepPrimAPI_MakeBox(gp_Ax2(point_of(corner), direction_of(surface.direction), direction_of(x)), 2 * radius,
                                 2 * radius, depth)
                 .Shape();
   }

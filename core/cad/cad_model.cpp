@@ -34,8 +34,6 @@ namespace cgcontact {
 
 namespace {
 
-Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
-
 /// Returns a plane whose axis is the normal of a surface in the middle of its used range; throws where that has none.
 Handle(Geom_Surface) plane_along(const gp_Pln& plane, const BRepAdaptor_Surface& surface) {
   gp_Pnt x;
@@ -69,7 +67,7 @@ CadFace describe_face(const TopoDS_Face& face) {
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(face, properties, 1e-6);
   result.area = properties.Mass();
-  result.middle = vec(properties.CentreOfMass().XYZ());
+  result.middle = vector_of(properties.CentreOfMass().XYZ());
   const BRepAdaptor_Surface surface(face);
   GeomAdaptor_Surface shape(BRep_Tool::Surface(face));
   if (shape.GetType() > GeomAbs_Torus)
@@ -79,18 +77,18 @@ CadFace describe_face(const TopoDS_Face& face) {
     case GeomAbs_Plane: {
       result.kind = "plane";
       const gp_Pln plane = shape.Plane();
-      result.axis = sign * (plane.Direct() ? 1 : -1) * vec(plane.Axis().Direction().XYZ());
+      result.axis = sign * (plane.Direct() ? 1 : -1) * vector_of(plane.Axis().Direction().XYZ());
       break;
     }
     case GeomAbs_Cylinder:
       result.kind = "cylinder";
       result.radius = shape.Cylinder().Radius();
-      result.axis = vec(shape.Cylinder().Axis().Direction().XYZ());
+      result.axis = vector_of(shape.Cylinder().Axis().Direction().XYZ());
       break;
     case GeomAbs_Cone:
       result.kind = "cone";
       result.half_angle = std::abs(shape.Cone().SemiAngle());
-      result.axis = vec(shape.Cone().Axis().Direction().XYZ());
+      result.axis = vector_of(shape.Cone().Axis().Direction().XYZ());
       break;
     case GeomAbs_Sphere:
       result.kind = "sphere";
@@ -100,7 +98,7 @@ CadFace describe_face(const TopoDS_Face& face) {
       result.kind = "torus";
       result.radius = shape.Torus().MinorRadius();
       result.major_radius = shape.Torus().MajorRadius();
-      result.axis = vec(shape.Torus().Axis().Direction().XYZ());
+      result.axis = vector_of(shape.Torus().Axis().Direction().XYZ());
       break;
     default:
       result.kind = "other";
@@ -143,7 +141,7 @@ std::pair<Vec3, Vec3> CadModel::box() const {
   Bnd_Box box;
   BRepBndLib::AddOptimal(shape_->solid, box, false, false);
   if (box.IsVoid()) return {Vec3::Zero(), Vec3::Zero()};
-  return {vec(box.CornerMin().XYZ()), vec(box.CornerMax().XYZ())};
+  return {vector_of(box.CornerMin().XYZ()), vector_of(box.CornerMax().XYZ())};
 }
 
 std::vector<double> CadModel::distances(const std::vector<int>& faces, const Vec3& x) const {

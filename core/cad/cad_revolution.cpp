@@ -37,16 +37,13 @@ namespace cgcontact {
 
 namespace {
 
-gp_Pnt point(const Vec3& x) { return {x[0], x[1], x[2]}; }
-gp_Dir direction(const Vec3& x) { return {x[0], x[1], x[2]}; }
-
 TopoDS_Edge edge_of(const ProfileEdge& edge, const ProfileFrame& frame) {
-  const auto at = [&](const Vec2& x) { return point(frame.origin + x[0] * frame.first + x[1] * frame.second); };
+  const auto at = [&](const Vec2& x) { return point_of(frame.origin + x[0] * frame.first + x[1] * frame.second); };
   if (!edge.is_arc) return BRepBuilderAPI_MakeEdge(at(edge.from), at(edge.to));
   if (edge.from != edge.to)
     return BRepBuilderAPI_MakeEdge(GC_MakeArcOfCircle(at(edge.from), at(edge.through), at(edge.to)).Value());
-  const gp_Ax2 axes(at((edge.from + edge.through) / 2), direction(frame.first.cross(frame.second)),
-                    direction(frame.first));
+  const gp_Ax2 axes(at((edge.from + edge.through) / 2), direction_of(frame.first.cross(frame.second)),
+                    direction_of(frame.first));
   return BRepBuilderAPI_MakeEdge(gp_Circ(axes, (edge.through - edge.from).norm() / 2));
 }
 
@@ -64,7 +61,7 @@ CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const Profi
     }
     const BRepBuilderAPI_MakeFace face(wire.Wire(), true);
     if (!face.IsDone()) throw InputError(std::string("OpenCASCADE finds no area in the profile"));
-    BRepPrimAPI_MakeRevol turn(face.Face(), gp_Ax1(point(frame.origin), direction(frame.second)), true);
+    BRepPrimAPI_MakeRevol turn(face.Face(), gp_Ax1(point_of(frame.origin), direction_of(frame.second)), true);
     TopExp_Explorer solids(turn.Shape(), TopAbs_SOLID);
     if (!solids.More()) throw InputError(std::string("OpenCASCADE makes no body of the profile"));
     TopoDS_Solid solid = TopoDS::Solid(solids.Current());
@@ -142,7 +139,7 @@ bool is_round(const PointAt& point_at, double precision) {
 
 std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const ProfileFrame& frame) {
   try {
-    const gp_Ax1 axis(point(frame.origin), direction(frame.second));
+    const gp_Ax1 axis(point_of(frame.origin), direction_of(frame.second));
     const TopTools_IndexedMapOfShape& faces = model.shape().faces;
     double reach = 0;  // a half-plane is a face that is large enough
     for (const Vec3& corner : {model.box().first, model.box().second})
@@ -150,7 +147,7 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
     for (int f = 1; f <= faces.Extent(); ++f)
       if (!is_around(BRepAdaptor_Surface(TopoDS::Face(faces(f))), axis))
         throw InputError(cad_face_text(model.faces()[f - 1], f) + " is not of revolution about the axis");
-    const gp_Ax3 axes(point(frame.origin), direction(frame.first.cross(frame.second)), direction(frame.first));
+    const gp_Ax3 axes(point_of(frame.origin), direction_of(frame.first.cross(frame.second)), direction_of(frame.first));
     const TopoDS_Face half = BRepBuilderAPI_MakeFace(gp_Pln(axes), 0, reach, -reach, reach);
     BRepAlgoAPI_Section section(model.shape().solid, half, false);
     section.ComputePCurveOn1(false);

@@ -3,11 +3,18 @@
 
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Shape.hxx>
+#include <gp_Dir.hxx>
+#include <gp_Pnt.hxx>
+#include <gp_XYZ.hxx>
 
 #include "core/base/packing.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {
+
+inline gp_Pnt point_of(const Vec3& x) { return {x[0], x[1], x[2]}; }
+inline gp_Dir direction_of(const Vec3& x) { return {x[0], x[1], x[2]}; }
+inline Vec3 vector_of(const gp_XYZ& x) { return {x.X(), x.Y(), x.Z()}; }
 
 struct CadModel::Shape {
   TopoDS_Shape solid;                ///< a solid or a compound of solids

@@ -33,8 +33,6 @@ constexpr double angle_between_triangles = 0.35;  // radians, of the mesher: 20 
 constexpr double area_tolerance = 1e-4;           // relative: a face that its triangles miss more of is not covered
 constexpr int finer_attempts = 4;
 
-Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
-
 class OcctSurface final : public ParametricSurface {
  public:
   explicit OcctSurface(const Handle(Geom_Surface) & surface) : surface_(surface) {
@@ -53,20 +51,20 @@ class OcctSurface final : public ParametricSurface {
     gp_Pnt p;
     gp_Vec u, v;
     surface_->D1(uv[0], uv[1], p, u, v);
-    jet.x = vec(p.XYZ());
-    jet.xu = vec(u.XYZ());
-    jet.xv = vec(v.XYZ());
+    jet.x = vector_of(p.XYZ());
+    jet.xu = vector_of(u.XYZ());
+    jet.xv = vector_of(v.XYZ());
   }
   void second(const Vec2& uv, SurfaceJet& jet) const override {
     gp_Pnt p;
     gp_Vec u, v, uu, vv, both;
     surface_->D2(uv[0], uv[1], p, u, v, uu, vv, both);
-    jet.x = vec(p.XYZ());
-    jet.xu = vec(u.XYZ());
-    jet.xv = vec(v.XYZ());
-    jet.xuu = vec(uu.XYZ());
-    jet.xvv = vec(vv.XYZ());
-    jet.xuv = vec(both.XYZ());
+    jet.x = vector_of(p.XYZ());
+    jet.xu = vector_of(u.XYZ());
+    jet.xv = vector_of(v.XYZ());
+    jet.xuu = vector_of(uu.XYZ());
+    jet.xvv = vector_of(vv.XYZ());
+    jet.xuv = vector_of(both.XYZ());
   }
   Vec2 clamped(const Vec2& uv) const override { return uv.cwiseMax(min_).cwiseMin(max_); }
 
@@ -148,7 +146,7 @@ class Assembler {
     int& number = point_of_vertex_[vertices_.FindIndex(vertex)];
     if (number < 0) {
       number = static_cast<int>(result_.points.size());
-      result_.points.push_back(vec(BRep_Tool::Pnt(vertex).XYZ()));
+      result_.points.push_back(vector_of(BRep_Tool::Pnt(vertex).XYZ()));
     }
     return number;
   }
@@ -214,7 +212,7 @@ class Assembler {
         own.back() = point_of_vertex(last);
         for (int i = 1; i + 1 < n; ++i) {
           own[i] = static_cast<int>(result_.points.size());
-          result_.points.push_back(vec(mesh->Node(polygon->Node(i + 1)).Transformed(move).XYZ()));
+          result_.points.push_back(vector_of(mesh->Node(polygon->Node(i + 1)).Transformed(move).XYZ()));
         }
       }
       if (static_cast<int>(own.size()) != n) refuse(f, "an edge of it is divided otherwise than in the next face");
@@ -236,7 +234,7 @@ class Assembler {
     for (int i = 1; i <= mesh->NbNodes(); ++i) {
       if (point[i] >= 0) continue;
       point[i] = static_cast<int>(result_.points.size());
-      result_.points.push_back(vec(mesh->Node(i).Transformed(move).XYZ()));
+      result_.points.push_back(vector_of(mesh->Node(i).Transformed(move).XYZ()));
     }
     for (int t = 1; t <= mesh->NbTriangles(); ++t) {
       int node[3];

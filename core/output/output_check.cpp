@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr int legend_width = 620;
 /// Bodies that get rows of their own.
-constexpr std::size_t max_bodies = 12;
+constexpr std::size_t max_drawn_bodies = 12;
 /// Pixels: a face gets its number where it is at least this far from its border.
 constexpr int room_for_number = 7;
 constexpr int arrow_length = 56, arrow_gap = 14;
@@ -358,7 +358,7 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
 }
 
 std::string script(const Drawing& drawing) {
-  const std::size_t shown = std::min(drawing.drawn.size(), max_bodies);
+  const std::size_t shown = std::min(drawing.drawn.size(), max_drawn_bodies);
   const int row = panel + heading + gap;
   const int width = 4 * gap + 3 * panel + legend_width, height = row * static_cast<int>(shown + 1) + gap;
   std::string text = page_settings("check.png", width, height);
@@ -373,7 +373,7 @@ std::string script(const Drawing& drawing) {
 
 /// Two views of each body, without legends.
 std::string conditions_script(const Drawing& drawing) {
-  const std::size_t shown = std::min(drawing.drawn.size(), max_bodies);
+  const std::size_t shown = std::min(drawing.drawn.size(), max_drawn_bodies);
   const int row = panel + heading + gap, key = 2 * line_height;
   const int width = 3 * gap + 2 * panel, height = row * static_cast<int>(shown) + gap + key;
   std::string text = page_settings("conditions.png", width, height);

@@ -19,7 +19,7 @@ namespace {
 /// Pixels: side of a panel, room for the colour bar at the right, for the title, for the line above a panel.
 constexpr int side = 520, bar_room = 130, title_room = 44, line_room = 30;
 /// Bodies in the legend.
-constexpr std::size_t max_bodies = 8;
+constexpr std::size_t max_listed_bodies = 8;
 /// Side of the view of the zone over the zone's.
 constexpr double zone_view = 2.2;
 /// A zone whose view takes so much of the scene's gets none of its own.
@@ -198,7 +198,7 @@ void add_grounds(const Panel& view, Sheet& sheet) {
 
 void add_legend(const Results& results, double top, Sheet& sheet) {
   Legend legend(gap, top, 0, sheet);
-  const std::size_t shown = std::min(results.bodies.size(), max_bodies);
+  const std::size_t shown = std::min(results.bodies.size(), max_listed_bodies);
   for (std::size_t b = 0; b < shown; ++b) {
     const CutCells& cells = *results.bodies[b].cut_cells;
     legend.entry(colour_of_body(b), fmt::format("{}: {} cells of {}", drawable_text(results.bodies[b].name),
@@ -211,7 +211,7 @@ void add_legend(const Results& results, double top, Sheet& sheet) {
 std::string script(const Results& results, std::vector<Look>& looks, const std::optional<StressErrors>& errors,
                    const std::string& folder) {
   const bool one_row = looks.size() == 1 || !errors;
-  const int legend_room = line_height * static_cast<int>(std::min(results.bodies.size(), max_bodies + 1) + 1);
+  const int legend_room = line_height * static_cast<int>(std::min(results.bodies.size(), max_listed_bodies + 1) + 1);
   const int row = side + line_room, width = 3 * gap + 2 * side + bar_room;
   const int height = title_room + (one_row ? 1 : 2) * row + legend_room + gap;
   std::string text = page_settings("grid.png", width, height);

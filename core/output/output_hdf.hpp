@@ -7,6 +7,9 @@
 
 namespace cgcontact {
 
+/// Rows of an array that are in memory at a time where it is copied by blocks.
+constexpr std::size_t rows_per_block = 1 << 16;
+
 class HdfFile {
  public:
   HdfFile();

@@ -17,7 +17,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int long_side = 1000;
+constexpr int picture_side = 1000;
 /// Pixels: by which the last body is drawn nearer to the viewer than the first one. Otherwise rounding would decide
 /// which of overlapping sections in one plane is seen.
 constexpr double nearer = 2;
@@ -87,7 +87,7 @@ std::array<int, 2> fit_camera(const PaperBox& box, View& view) {
   const double largest = std::max(box.high[0] - box.low[0], box.high[1] - box.low[1]);
   if (!(largest > 0)) return {0, 0};
   const double margin = 0.02 * largest;
-  view.camera.pixels_per_metre = long_side / (largest + 2 * margin);
+  view.camera.pixels_per_metre = picture_side / (largest + 2 * margin);
   std::array<int, 2> size;
   for (int k = 0; k < 2; ++k) {
     view.camera.low[k] = box.low[k] - margin;

@@ -20,7 +20,7 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t max_maps = 12;
-constexpr int long_side = 720;
+constexpr int map_side = 720;
 constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
 /// Distances along a curve, in the body's smallest cells and in fractions of the curve, within which rows of
 /// contact.csv are one point: beside each other on the face they have pressures of their own.
@@ -267,7 +267,7 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   camera.right = Vec3::UnitX();
   camera.up = Vec3::UnitY();
   camera.eye = Vec3::UnitZ();
-  camera.pixels_per_metre = long_side / (paper.largest() + 2 * margin);
+  camera.pixels_per_metre = map_side / (paper.largest() + 2 * margin);
   std::array<int, 2> size;
   for (int k = 0; k < 2; ++k) {
     camera.low[k] = paper.low[k] - margin;

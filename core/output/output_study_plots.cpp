@@ -16,7 +16,7 @@ namespace cgcontact {
 namespace {
 
 /// Pixels. A panel is what lies around the axes, too.
-constexpr int panel_width = 520, panel_height = 410, line_height = 22;
+constexpr int panel_width = 520, panel_height = 410, legend_line = 22;
 /// Pixels of a letter, and of an entry's line and gaps.
 constexpr double letter_width = 8.2;
 constexpr int entry_width = 70;
@@ -124,19 +124,19 @@ std::string curve_style(const Curve& curve) {
 }
 
 /// Panels in two columns below title and legend.
-struct Layout {
+struct PanelLayout {
   int columns, width, height, top, title_height, legend_columns;
   GnuplotTitle title;
 
-  Layout(std::size_t panels, const std::string& heading, const std::vector<std::string>& entries)
+  PanelLayout(std::size_t panels, const std::string& heading, const std::vector<std::string>& entries)
       : columns(panels == 1 ? 1 : 2), width(panels == 1 ? 3 * panel_width / 2 : 2 * panel_width) {
     title = gnuplot_title(heading, width - 20, 16);
-    title_height = 28 + line_height * title.lines;
+    title_height = 28 + legend_line * title.lines;
     int longest = 1;
     for (const std::string& entry : entries) longest = std::max(longest, columns_of(entry));
     const int count = std::max<int>(1, static_cast<int>(entries.size()));
     legend_columns = std::clamp(static_cast<int>((width - 40) / (letter_width * longest + entry_width)), 1, count);
-    top = title_height + line_height * ((count + legend_columns - 1) / legend_columns);
+    top = title_height + legend_line * ((count + legend_columns - 1) / legend_columns);
     height = top + (static_cast<int>(panels) + columns - 1) / columns * panel_height;
   }
   double from_top(int pixels) const { return 1 - static_cast<double>(pixels) / height; }
@@ -155,7 +155,7 @@ struct Layout {
 };
 
 /// Everything but the curves.
-std::string frame(const Abscissa& abscissa, const Layout& layout, const LogRange& x, const LogRange& y) {
+std::string frame(const Abscissa& abscissa, const PanelLayout& layout, const LogRange& x, const LogRange& y) {
   std::string script = fmt::format(
       "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n",
       layout.width, layout.height);
@@ -168,7 +168,8 @@ std::string frame(const Abscissa& abscissa, const Layout& layout, const LogRange
   return script + layout.key() + fmt::format("set multiplot title {} font ',16'\n", layout.title.text);
 }
 
-std::string panel(const Study& study, const std::vector<Curve>& curves, const std::string& file, std::size_t first) {
+std::string draw_panel(const Study& study, const std::vector<Curve>& curves, const std::string& file,
+                       std::size_t first) {
   std::string text = "plot";
   for (std::size_t c = 0; c < curves.size(); ++c)
     text += fmt::format("{} '{}' index {} using 1:2 {} title {}", c ? ", \\\n " : "", file, first + c,
@@ -196,13 +197,13 @@ void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs)
   for (const Curve& curve : curves.front()) entries.push_back(curve_name(study, curve));
   const std::string heading =
       fmt::format("{}: {}{}", abscissa.title, study.title, study.own_reference ? " (reference: own finest run)" : "");
-  const Layout layout(zones.size(), heading, entries);
+  const PanelLayout layout(zones.size(), heading, entries);
   std::string script = frame(abscissa, layout, x.widened(), y.widened());
   for (std::size_t z = 0; z < zones.size(); ++z) {
     script += layout.margins(z) +
               fmt::format("set title {}\n", gnuplot_text(zones[z] == "whole" ? "whole contact face" : zones[z]));
     if (z > 0) script += "unset key\n";
-    script += panel(study, curves[z], file, z * curves[z].size());
+    script += draw_panel(study, curves[z], file, z * curves[z].size());
   }
   script += "unset multiplot\n";
   runs.start(abscissa.picture, script, {std::string(abscissa.picture) + ".svg"});
@@ -262,7 +263,7 @@ void write_figures_plot(const Study& study, GnuplotRuns& runs) {
     data += "\n\n";
   }
   write_text(runs.directory() + "/plots/figures.dat", data);
-  const Layout layout(num_quantities, "Contact over " + study.key + ": " + study.title, entries);
+  const PanelLayout layout(num_quantities, "Contact over " + study.key + ": " + study.title, entries);
   std::string script = fmt::format(
       "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n"
       "set output '../figures.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n"

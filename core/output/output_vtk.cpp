@@ -53,9 +53,6 @@ Vec3 point_of(const ClippedMesh& mesh, int point) {
   return p < mesh.points.size() ? mesh.points[p] : mesh.interior_point(p - mesh.points.size());
 }
 
-/// Rows that are in memory at a time.
-constexpr std::size_t rows_per_block = 1 << 16;
-
 /// Writes the bodies' arrays in turn, block by block.
 class BodyWriter {
  public:

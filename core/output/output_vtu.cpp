@@ -16,8 +16,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t rows_per_block = 1 << 16;
-
 /// An array of the file and its first row that is copied.
 struct Copied {
   HdfReader::Array array;

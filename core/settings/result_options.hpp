@@ -14,7 +14,7 @@ struct ResultOptions {
   /// The same where problems on the faces give all of the pressure (docs/accuracy.md, "The pressure on the face").
   double min_cells_on_face = 3;
   /// Cells over the thickness of a body below which its bending is not resolved, 11 to 26 % too stiff at 1.5 cells, 6
-  /// to 12 % at two, and those that are recommended (docs/decisions.md, "Bodies thinner than their cells").
+  /// to 13 % at two, and those that are recommended (docs/decisions.md, "Bodies thinner than their cells").
   double min_thickness = 1.75, wanted_thickness = 3;
   /// Fraction of the transmitted force by which the integral of the recovered pressure may be off without a warning.
   double lost_force = 0.15;

@@ -7,7 +7,7 @@
 namespace cgcontact {
 namespace {
 
-constexpr int leaf_size = 8;
+constexpr int triangles_per_leaf = 8;
 /// Radii from which a cluster is a dipole: the error of a winding number is about 1 / far^3 of the sum of all angles.
 constexpr double far = 4;
 
@@ -21,7 +21,7 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 WindingNumbers::WindingNumbers(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                                const std::vector<Passes>& passes)
-    : points_(points), triangles_(triangles), passes_(passes), halves_(points, triangles, leaf_size) {
+    : points_(points), triangles_(triangles), passes_(passes), halves_(points, triangles, triangles_per_leaf) {
   for (const TriangleHalves::Node& node : halves_.nodes) clusters_.push_back(cluster(node));
 }
 

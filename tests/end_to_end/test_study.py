@@ -177,6 +177,16 @@ class Sizes(unittest.TestCase):
             self.assertAlmostEqual(float(table("bare")[0][column]), float(table("exact")[0][column]), delta=0.01)
         self.assertTrue(any("own finest run" in text for text in texts("bare/error_time.svg")))
 
+    def test_own_reference_with_friction(self):
+        """A contact.csv with friction has more columns; the mean pressure is the weight's share, whatever the cells."""
+        outcome = study("block_on_incline", "slope", "--refine", "0.5,0.7")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertTrue(table_json("slope")["reference_is_own_finest_run"])
+        coarse, fine = table("slope")
+        self.assertLess(float(coarse["force_error"]), 1e-6)
+        self.assertTrue(0 <= float(coarse["error_whole_sprc"]) < 1)
+        self.assertEqual(fine["error_whole_sprc"], "")
+
     def test_without_contact(self):
         """A scene without contact has a table and no plots."""
         outcome = study(str(harness.SOURCE / "tests" / "scenes" / "hanging_bar.toml"), "bar")

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 
 #include "contact/results/pressure_error.hpp"
 #include "contact/study/face_pressure.hpp"
 #include "core/base/text.hpp"
+#include "core/output/output_csv.hpp"
 
 namespace cgcontact::test_face_pressure {
 namespace {
@@ -96,24 +98,44 @@ TEST(SampledPressure, the_edge_of_a_body_is_no_end_of_a_zone) {
   }
 }
 
+/// What the program writes, also with the columns of friction and with names that need quotes.
 TEST(SampledPressure, tables_are_read_back) {
   const std::string file =
       (std::filesystem::temp_directory_path() / ("cgcontact_rows_" + std::to_string(getpid()))).string();
+  const char* const names[] = {"lower", "upper, \"outer\" ring"};
   Scene scene;
-  scene.bodies.resize(2);
-  scene.bodies[0].name = "lower";
-  scene.bodies[1].name = "upper";
-  write_text(file, "names\nupper,pair,1,2,3,0,0,1,0.5,inf,10,20,30,2,1\n");
-  const auto rows = read_contact_rows(file, scene);
-  ASSERT_EQ(rows.size(), 1u);
-  EXPECT_EQ(rows[0].body, 1);
-  EXPECT_EQ(rows[0].x, Vec3(1, 2, 3));
-  EXPECT_EQ(rows[0].weight, 0.5);
-  EXPECT_EQ(rows[0].pressure_raw, 10);
-  EXPECT_EQ(rows[0].pressure_sprc, 30);
-  for (const char* line : {"names\nother,pair,1,2,3,0,0,1,0.5,inf,10,20,30,2,1\n", "names\nupper,1\n"}) {
-    write_text(file, line);
-    EXPECT_THROW(read_contact_rows(file, scene), InputError);
+  Results results;
+  for (const char* name : names) {
+    scene.bodies.emplace_back().name = name;
+    results.bodies.emplace_back().name = name;
+  }
+  results.pairs.emplace_back().name = "pair, of two";
+  ContactRow written;
+  written.body = 1;
+  written.x = Vec3(1, 2, 3);
+  written.weight = 0.5;
+  written.gap = std::numeric_limits<double>::infinity();
+  written.pressure_raw = 10;
+  written.pressure_spr = 20;
+  written.pressure_sprc = 30;
+  results.contact_rows = {written};
+  for (const bool friction : {false, true}) {
+    if (friction) results.pairs[0].friction.emplace();
+    write_contact_csv(results, file);
+    const auto rows = read_contact_rows(file, scene);
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].body, 1);
+    EXPECT_EQ(rows[0].x, Vec3(1, 2, 3));
+    EXPECT_EQ(rows[0].weight, 0.5);
+    EXPECT_EQ(rows[0].pressure_raw, 10);
+    EXPECT_EQ(rows[0].pressure_spr, 20);
+    EXPECT_EQ(rows[0].pressure_sprc, 30);
+  }
+  const std::string columns = "body,x,y,z,weight,pressure_raw,pressure_spr,pressure_sprc\n";
+  for (const std::string& text :
+       {columns + "other,1,2,3,0.5,10,20,30\n", columns + "lower,1\n", std::string("names\nlower\n")}) {
+    write_text(file, text);
+    EXPECT_THROW(read_contact_rows(file, scene), InputError) << text;
   }
   std::filesystem::remove(file);
 }
