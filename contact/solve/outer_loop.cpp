@@ -27,7 +27,7 @@ namespace {
 /// small curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
 /// Largest sliding of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most
-/// on the scenes of this repository, those that do not 4 to 400 (docs/decisions.md).
+/// on the scenes of this repository, those that do not 5 to 411 (docs/decisions.md).
 constexpr double max_drift = 3;
 /// Fall of residuals below which, while no point changes, they may be the linear solve's error: the lagged stress
 /// contracts like 2.7 / kappa at worst. The next ones are solved `tighter`.

@@ -46,7 +46,7 @@ struct ResultOptions {
   /// ends lie at whole contact groups there.
   double edge_factor = 2;
   /// Fraction of the largest pressure by which the recovered pressure may leave the range of the others around it
-  /// (docs/recovery.md, "Error figures": 0.05 at most in contacts that are right, 0.4 in a hole).
+  /// (docs/recovery.md, "Error figures": 0.044 at most in contacts that are right).
   double largest_jump = 0.1;
 
   std::vector<Setting> settings();

@@ -117,8 +117,8 @@ struct BodyMesh {
 };
 
 /// Returns whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a
-/// quarter, which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs twice the time and
-/// gives nothing: docs/decisions.md, "Ghost penalty".
+/// quarter, which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs a fifth more time
+/// and gives nothing: docs/decisions.md, "Ghost penalty".
 bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 
 /// Returns the virtual children of a level, one per face.

@@ -10,7 +10,7 @@ namespace cgcontact {
 /// Integrates the term times the polynomials about `centre`, lengths in `unit` (both grid coordinates), over the
 /// material in the cells, each over its own volume; component, term. 27 points per cell (eight in full cells away from
 /// the edge); for the square root at an edge inside the cell that is good to 1 %, and 125 points change the pressures
-/// by less than 5 % of their error (docs/recovery.md).
+/// by less than 5 % of their error.
 template <int degree>
 Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const BodyMesh& mesh, const int* cells,
                                                                          int num_cells, const Vec3& centre,

@@ -44,7 +44,7 @@ class Accuracy(unittest.TestCase):
         self.assertLess(error, 1.3 * pair["pressure_error_estimate"])
 
     def check_largest_pressure(self, run, exact):
-        """Off by no more than its estimate (in 78 of 81 runs; the others by up to a tenth more, docs/recovery.md)."""
+        """Off by no more than its estimate (in 78 of 81 runs; the others by up to a tenth more)."""
         pair = run["contact"][0]
         self.assertLess(abs(pair["max_pressure"] / exact - 1), 1.1 * pair["max_pressure_error_estimate"])
 

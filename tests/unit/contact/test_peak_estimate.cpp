@@ -94,7 +94,7 @@ TEST(PeakEstimate, IsNoneWhereThereIsNoLargestPressure) {
 }
 
 // Lame's pressure is the same everywhere: its largest value scatters. Of 81 runs of five other scenes three were off by
-// more than the estimate, by a tenth at most (docs/recovery.md).
+// more than the estimate, by a tenth at most.
 TEST(PeakEstimate, CoversTheErrorOfAShrinkFit) {
   for (const char* n : {"n=8", "n=16"}) {
     const auto solved = test::run_scene("scenes/rings.toml", {n});
