@@ -9,6 +9,7 @@
 
 #include "core/base/decompositions.hpp"
 #include "core/base/text.hpp"
+#include "core/output/output_csv.hpp"
 
 namespace cgcontact {
 
@@ -20,23 +21,6 @@ constexpr std::size_t min_points = 3;  ///< for a fit
 constexpr std::size_t max_points = 6;
 constexpr double margin = 1.25;
 constexpr double open_below = 1e-9;  ///< of the largest pressure: SPR-C leaves 1e-10 of it outside
-
-/// Divides a line at its commas, those in quotes apart, as csv_text writes them.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const bool doubled = quoted && line.compare(i, 2, "\"\"") == 0;
-    if (line[i] == '"' && !doubled)
-      quoted = !quoted;
-    else if (line[i] == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += line[i];
-    i += doubled;
-  }
-  return fields;
-}
 
 int body_index(const Scene& scene, const std::string& name) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
@@ -52,7 +36,7 @@ std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& 
   std::vector<ContactRow> rows;
   std::string line;
   std::getline(text, line);
-  const std::vector<std::string> names = fields_of(line);
+  const std::vector<std::string> names = csv_fields(line);
   const auto column = [&](const char* name) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) refuse();
@@ -61,7 +45,7 @@ std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& 
   const std::size_t body = column("body"), x = column("x"), y = column("y"), z = column("z"), weight = column("weight"),
                     raw = column("pressure_raw"), spr = column("pressure_spr"), sprc = column("pressure_sprc");
   while (std::getline(text, line)) {
-    const std::vector<std::string> fields = fields_of(line);
+    const std::vector<std::string> fields = csv_fields(line);
     if (fields.size() != names.size()) refuse();
     ContactRow row;
     row.body = body_index(scene, fields[body]);

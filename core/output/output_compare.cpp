@@ -13,6 +13,7 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/text.hpp"
+#include "core/output/output_csv.hpp"
 #include "core/output/output_gnuplot.hpp"
 
 namespace cgcontact {
@@ -180,9 +181,7 @@ std::map<std::string, Curve> read_curves(const std::string& directory) {
   std::string line;
   std::getline(text, line);  // the heads
   while (std::getline(text, line)) {
-    std::istringstream fields(line);
-    std::vector<std::string> cells;
-    for (std::string cell; std::getline(fields, cell, ',');) cells.push_back(cell);
+    const std::vector<std::string> cells = csv_fields(line);
     constexpr std::size_t coordinate = 2, pressure = 8;  // of write_pressure_csv
     if (cells.size() <= pressure)
       throw InputError(fmt::format("{}: a line has fewer columns than the first", file.string()));

@@ -15,6 +15,22 @@ constexpr int digits = 10;
 
 }  // namespace
 
+std::vector<std::string> csv_fields(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool doubled = quoted && line.compare(i, 2, "\"\"") == 0;
+    if (line[i] == '"' && !doubled)
+      quoted = !quoted;
+    else if (line[i] == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += line[i];
+    i += doubled;
+  }
+  return fields;
+}
+
 void write_contact_csv(const Results& results, const std::string& file_name) {
   std::vector<std::string> names, pairs;
   for (const BodyFields& body : results.bodies) names.push_back(csv_text(body.name));

@@ -3,10 +3,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/results/results.hpp"
 
 namespace cgcontact {
+
+/// Divides a line at its commas, those in quotes apart (csv_text).
+std::vector<std::string> csv_fields(const std::string& line);
 
 /// Writes SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), ten significant digits.
 void write_contact_csv(const Results& results, const std::string& file_name);

@@ -1,8 +1,6 @@
 #!/usr/bin/python3
 # timeout: 400
-# backend: serial
-"""CAD files with random faults: every one is a scene or one message that names it, within a minute. What reads CAD files is a module
-without a backend (core/cad/cad_kernel.hpp), the same in all builds: the other backends leave out these 420 starts of the program."""
+"""CAD files with random faults: every one is a scene or one message that names it, within a minute."""
 import pathlib
 import random
 import re
@@ -14,7 +12,8 @@ from harness import cgcontact
 
 
 def changed(text, chance):
-    """A file with one to four faults: lines and characters that are gone, moved or others, other references, numbers, entities."""
+    """A file with one to four faults: lines and characters that are gone, moved or others, other references, numbers,
+    entities."""
     for _ in range(chance.choice((1, 1, 1, 2, 4))):
         lines = text.split("\n")
         place = chance.randrange(len(text))
@@ -46,10 +45,11 @@ def changed(text, chance):
 
 class Faults(Inspected):
     def test_random_faults_of_step_files(self):
-        """300 files with faults: none ends the program, hangs it or writes two messages. OpenCASCADE crashes on some of them, else
-        the test proves nothing."""
+        """300 files with faults: none ends the program, hangs it or writes two messages. OpenCASCADE crashes on some of
+        them, else the test proves nothing."""
         parts = [pathlib.Path("parts") / f"{name}.step"
-                 for name in ("assembly", "bearing", "cross_drilled", "filleted", "lofted", "lug", "spline_pin", "tip", "torus")]
+                 for name in ("assembly", "bearing", "cross_drilled", "filleted", "lofted", "lug", "spline_pin", "tip",
+                              "torus")]
         texts = [file.read_text() for file in parts]
         texts += [step_files.boxes(((0, 0, 0), (10, 20, 30)), annotated=True)] * 3
         texts += [step_files.boxes(((0, 0, 0), (10, 20, 30)), ((10, 0, 0), (10, 20, 30)))] * 3

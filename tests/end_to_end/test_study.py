@@ -178,7 +178,7 @@ class Sizes(unittest.TestCase):
         self.assertTrue(any("own finest run" in text for text in texts("bare/error_time.svg")))
 
     def test_own_reference_with_friction(self):
-        """A contact.csv with friction has more columns; the mean pressure is the weight's share, whatever the cells."""
+        """A contact.csv with friction has more columns; the transmitted force does not depend on the cells."""
         outcome = study("block_on_incline", "slope", "--refine", "0.5,0.7")
         self.assertEqual(outcome.code, 0, outcome.err)
         self.assertTrue(table_json("slope")["reference_is_own_finest_run"])

@@ -177,7 +177,7 @@ TEST_F(Cad, TrianglesFollowTheCells) {
 // are up to a hundredth of the coarser cells apart, so that strips as wide as that are missing or there twice (2e-6 and
 // 4e-4 at worst, a torus; the same to 1e-12 with fine triangles everywhere).
 TEST_F(Cad, RefinedGridsHaveFineTrianglesAtTheirLeavesOnly) {
-  constexpr int max_levels = 5;
+  constexpr int max_levels = 6;
   for (const test::CadPart& part : parts_) {
     SCOPED_TRACE(part.name);
     const CadModel m = model(part.name);
@@ -185,7 +185,7 @@ TEST_F(Cad, RefinedGridsHaveFineTrianglesAtTheirLeavesOnly) {
     const CutCells base = cut(body(m, 10), rotation({1, 2, 3}, 0.3), Vec3(1.2, 1.3, 1.1));
     const Vec3 point = base.boundary.position[base.boundary.size() / 3];
     const auto wanted = [&](const Vec3& low, const Vec3& high) {
-      return std::max(1.0 / 16, 0.5 * (point - point.cwiseMax(low).cwiseMin(high)).norm());
+      return std::max(1.0 / 32, 0.5 * (point - point.cwiseMax(low).cwiseMin(high)).norm());
     };
     const CellTree tree = refine_cells(base.solid.geometry(), base.grid, wanted, max_levels);
     ASSERT_EQ(tree.num_levels(), max_levels);
