@@ -18,7 +18,7 @@ def run_all(build, *options):
 with tempfile.TemporaryDirectory() as folder:
     build = pathlib.Path(folder)
     (build / "perf").mkdir()
-    os.symlink(sys.argv[1], build / "perf" / "bench_machine")
+    os.symlink(os.path.abspath(sys.argv[1]), build / "perf" / "bench_machine")
     broken = build / "perf" / "bench_broken"
     broken.write_text("#!/bin/sh\necho 'what is wrong'\nexit 3\n")
     broken.chmod(0o755)
