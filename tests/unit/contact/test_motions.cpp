@@ -76,10 +76,10 @@ TEST(RigidComponent, RowGivesTheDisplacementAlongADirection) {
 
 /// A plane that holds its normal leaves three motions, two planes across each other one, three none.
 TEST(FreeMotions, OfABlockAreThoseThatItsSupportsLeave) {
-  const OnGrids held_nowhere(block(symmetry({"block.z-"})));
-  EXPECT_EQ(free_rigid_motions(whole_bodies(held_nowhere.p.bodies), held_nowhere.p.bodies, {}, {}).cols(), 6);
+  const OnGrids on_a_plane(block(symmetry({"block.z-"})));
+  EXPECT_EQ(free_rigid_motions(whole_bodies(on_a_plane.p.bodies), on_a_plane.p.bodies, {}, {}).cols(), 6);
   const auto unit = [](int k) { return RigidMotion(RigidMotion::Unit(k)); };
-  expect_span(free_motions(held_nowhere), {unit(0), unit(1), unit(5)}, "z");
+  expect_span(free_motions(on_a_plane), {unit(0), unit(1), unit(5)}, "z");
   expect_span(free_motions(OnGrids(block(symmetry({"block.z-", "block.x-"})))), {unit(1)}, "z, x");
   expect_span(free_motions(OnGrids(block(symmetry({"block.z-", "block.x-", "block.y-"})))), {}, "z, x, y");
   expect_span(free_motions(OnGrids(block(support("block.z-", "displacement = {x = 0, y = 0, z = 0}")))), {}, "foot");
