@@ -8,9 +8,11 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/text.hpp"
+#include "core/cells/grid.hpp"
 #include "core/drawing/extremes.hpp"
 #include "core/output/output_probes.hpp"
 #include "core/results/answer.hpp"
+#include "core/scene/scene.hpp"
 
 namespace cgcontact {
 
@@ -344,6 +346,14 @@ Json json_of(const RigidFigures& rigid) {
        {{"loads", json_of(rigid.loads)}, {"supports", json_of(rigid.supports)}, {"contact", json_of(rigid.contact)}}}};
 }
 
+/// Names the axis of a body in plane strain or of revolution.
+void add_kind(const Grid& grid, Json& json) {
+  if (grid.is_axisymmetric())
+    json["axisymmetric"] = coordinate_names()[grid.axis_of_revolution()];
+  else if (grid.plane_strain >= 0)
+    json["plane_strain"] = coordinate_names()[grid.plane_strain];
+}
+
 /// Lists the bodies with the largest values and their positions.
 Json json_of_bodies(const Results& results) {
   Json bodies = Json::array();
@@ -356,6 +366,7 @@ Json json_of_bodies(const Results& results) {
       json["E"] = body.material.youngs_modulus;
       json["nu"] = body.material.poisson_ratio;
     }
+    add_kind(body.cut_cells->grid, json);
     json["cell_size"] = body.cut_cells->grid.cell_size;
     if (const int levels = body.cut_cells->num_levels(); levels > 1)
       json["smallest_cell_size"] = body.cut_cells->grid.cell_size_of(levels - 1);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/hdf_file.hpp"
 #include "core/drawing/drawn_body.hpp"
-#include "core/output/output_hdf.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {

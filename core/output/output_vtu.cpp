@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/errors.hpp"
-#include "core/output/output_hdf.hpp"
+#include "core/base/hdf_file.hpp"
 
 namespace cgcontact {
 

@@ -338,6 +338,8 @@ Expression::Expression() = default;
 
 Expression::Expression(double value) : constant_(value) {}
 
+Expression::Expression(std::function<double(const Vec3& x)> function) : function_(std::move(function)) {}
+
 Expression::Expression(const std::string& text, const SourceLocation& location, const Constants& constants,
                        const std::optional<Unit>& wanted) {
   check_text(text, location);
@@ -356,22 +358,27 @@ Expression::Expression(Expression&&) noexcept = default;
 Expression& Expression::operator=(Expression&&) noexcept = default;
 
 Expression::Expression(const Expression& other)
-    : constant_(other.constant_), compiled_(other.compiled_ ? std::make_unique<Compiled>(*other.compiled_) : nullptr) {}
+    : constant_(other.constant_),
+      function_(other.function_),
+      compiled_(other.compiled_ ? std::make_unique<Compiled>(*other.compiled_) : nullptr) {}
 
 Expression& Expression::operator=(const Expression& other) {
   if (this != &other) *this = Expression(other);
   return *this;
 }
 
-double Expression::operator()(const Vec3& x) const { return compiled_ ? compiled_->evaluate(x) : constant_; }
+double Expression::operator()(const Vec3& x) const {
+  if (function_) return function_(x);
+  return compiled_ ? compiled_->evaluate(x) : constant_;
+}
 
 bool Expression::is_zero() const { return is_constant() && constant_ == 0; }
 
-bool Expression::is_constant() const { return compiled_ == nullptr; }
+bool Expression::is_constant() const { return compiled_ == nullptr && !function_; }
 
 std::vector<Expression> Expression::compared() const {
   std::vector<Expression> differences;
-  if (is_constant()) return differences;
+  if (!compiled_) return differences;
   for (const auto& [left, right] : find_comparisons(compiled_->plain.text)) {
     Expression difference("(" + left + ")-(" + right + ")", compiled_->location, compiled_->plain.constants);
     if (!difference.is_constant()) differences.push_back(std::move(difference));

@@ -1,6 +1,7 @@
 /// Expressions in x, y, z (m) given by the user, compiled by muParser.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -18,11 +19,14 @@ using Constants = std::map<std::string, Quantity>;
 /// Name of the constant that only [reference] knows, after the solve: magnitude of the first pair's contact force, N.
 inline constexpr const char* contact_force_name = "contact_force";
 
-/// Number or an expression of x, y, z. Several threads may evaluate one object at once.
+/// Number, an expression of x, y, z, or another function of the position. Several threads may evaluate one object at
+/// once.
 class Expression {
  public:
   Expression();  ///< zero
   explicit Expression(double value);
+  /// Takes a function of x (global coordinates, m) that several threads may call at once.
+  explicit Expression(std::function<double(const Vec3& x)> function);
   /// Compiles; throws InputError that names the line, the text and the position of the mistake. Units in the text are
   /// checked against the SI unit that is `wanted` (none: any dimension), x, y and z being lengths.
   Expression(const std::string& text, const SourceLocation& location, const Constants& constants = {},
@@ -39,13 +43,14 @@ class Expression {
   /// Returns whether it is the constant zero.
   bool is_zero() const;
   bool is_constant() const;
-  /// Differences of what is compared by size in it (of `sign`: what it takes), but for constants: where one changes its
-  /// sign the value may jump.
+  /// Differences of what is compared by size in its text (of `sign`: what it takes), but for constants: where one
+  /// changes its sign the value may jump.
   std::vector<Expression> compared() const;
 
  private:
   struct Compiled;
   double constant_ = 0;
+  std::function<double(const Vec3& x)> function_;  ///< none: the constant, or what is compiled
   std::unique_ptr<Compiled> compiled_;
 };
 

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "core/base/suggest.hpp"
 #include "core/bodies/meridian.hpp"
 #include "core/geometry/solid_middle.hpp"
+#include "core/scene/displacement_field.hpp"
 #include "core/scene/scene_probe.hpp"
 
 namespace cgcontact {
@@ -566,17 +568,18 @@ void read_displacement(const TomlCursor& node, SupportSpec& support) {
   if (node.entries().empty()) node.fail("prescribes nothing", "at least one of x, y, z, normal (m)");
 }
 
-/// What the support holds: one of the ways of saying it.
+/// What the support holds: one of the ways of saying it. An earlier result comes later, when the body is known.
 void read_held(const TomlCursor& node, SupportSpec& support) {
-  const std::vector<std::string> ways{"symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring"};
+  const std::vector<std::string> ways{"symmetry",  "displacement", "displacement_from", "cylindrical", "rotation",
+                                      "stiffness", "spring"};
   std::vector<std::string> given;
   for (const std::string& way : ways)
     if (const auto value = node.find(way); value && (way != "symmetry" || value->boolean())) given.push_back(way);
   if (given.size() != 1)
     node.fail(
         given.empty() ? "says nothing" : "has both " + given[0] + " and " + given[1],
-        "symmetry = true, or displacement = {x = .., y = .., z = ..}, cylindrical = {radial = ..}, rotation = {axis, "
-        "angle}, stiffness = .. or spring = ..");
+        "symmetry = true, or displacement = {x = .., y = .., z = ..}, displacement_from = \"out/..\", cylindrical = "
+        "{radial = ..}, rotation = {axis, angle}, stiffness = .. or spring = ..");
   const TomlCursor value = node.at(given[0]);
   if (given[0] == "symmetry") support.symmetry = true;
   if (given[0] == "displacement") read_displacement(value, support);
@@ -592,7 +595,8 @@ void read_held(const TomlCursor& node, SupportSpec& support) {
 }  // namespace
 
 void SceneReader::read_support(const TomlCursor& node) {
-  node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring", "steps"});
+  node.expect_keys({"face", "symmetry", "displacement", "displacement_from", "cylindrical", "rotation", "stiffness",
+                    "spring", "steps"});
   SupportSpec support;
   support.location = node.location();
   const bool has_face = attempt([&] { support.face = resolve_face(node.at("face", "\"body.face\"")); });
@@ -605,7 +609,37 @@ void SceneReader::read_support(const TomlCursor& node) {
     for (const auto& component : *components)
       if (component) given.push_back(&*component);
   probe_expressions(scene_.bodies[support.face.body], support.face.face, given);
+  if (const auto from = node.find("displacement_from")) read_displacement_from(*from, support);
   scene_.supports.push_back(support);
+}
+
+/// Prescribes the displacements of an earlier result, without the one across a half-plane or plane strain, which is
+/// zero.
+void SceneReader::read_displacement_from(const TomlCursor& node, SupportSpec& support) {
+  const BodySpec& body = scene_.bodies[support.face.body];
+  const std::string given = node.string("the directory of a result, relative to the scene file");
+  const std::string directory = (std::filesystem::path(node.text().file).parent_path() / given).string();
+  std::shared_ptr<const DisplacementField>& field = fields_[{directory, body.name}];
+  try {
+    if (!field) field = std::make_shared<const DisplacementField>(directory, body);
+  } catch (const InputError& error) {
+    node.fail(error.what(),
+              "the directory of a result that has converged, relative to the scene file, with "
+              "result.vtkhdf and a body of this name");
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (body.plane_strain && k == static_cast<int>(*body.plane_strain)) continue;
+    support.displacement[k] = Expression(
+        [field = field, k, location = node.location(), value = node.value(), name = body.name](const Vec3& x) {
+          const DisplacementField::Value found = field->at(x);
+          if (found.distance <= field->cell_size()) return found.displacement[k];
+          throw InputError(location, value,
+                           fmt::format("({:.4g}, {:.4g}, {:.4g}) m is {:.3g} m outside of body \"{}\" of this result",
+                                       x[0], x[1], x[2], found.distance, name),
+                           fmt::format("faces in that body, or within its cell size of {:.3g} m; its files are in m",
+                                       field->cell_size()));
+        });
+  }
 }
 
 void SceneReader::read_supports(const TomlCursor& root) {

@@ -1,9 +1,12 @@
 /// Turns the parsed scene file into a Scene, checking every value. Used by read_scene() only.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/mistakes.hpp"
@@ -13,6 +16,8 @@
 #include "core/scene/toml_cursor.hpp"
 
 namespace cgcontact {
+
+class DisplacementField;
 
 /// Values of a table of parameters and those that its text knows already; entries may be expressions of other entries,
 /// in any order. `in_file`: values that --set has replaced, with whose units its plain numbers are SI numbers.
@@ -57,6 +62,7 @@ class SceneReader {
   void choose_cells_of_rigid_bodies();
   void read_supports(const TomlCursor& root);
   void read_support(const TomlCursor& node);
+  void read_displacement_from(const TomlCursor& node, SupportSpec& support);
   void read_loads(const TomlCursor& root);
   void read_load(const TomlCursor& node);
   void read_inertia(const TomlCursor& root);
@@ -89,6 +95,8 @@ class SceneReader {
   std::vector<Shape> shapes_;   ///< one per body
   std::vector<Unread> unread_;  ///< one per body
   std::vector<std::string> mistakes_;
+  /// Displacements of earlier results, by directory and body.
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<const DisplacementField>> fields_;
 };
 
 /// The elements of an optional array of tables at the top.

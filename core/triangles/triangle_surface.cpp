@@ -7,10 +7,7 @@
 
 namespace cgcontact {
 
-namespace {
-
-/// Nearest point of a triangle, and where it lies: 0 inside, 1 + e on the edge from corner e, 4 + k at corner k.
-/// Voronoi regions as in Ericson, Real-Time Collision Detection (2005), section 5.1.5.
+/// Distinguishes Voronoi regions as in Ericson, Real-Time Collision Detection (2005), section 5.1.5.
 Vec3 nearest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, int& feature) {
   const Vec3 ab = b - a, ac = c - a, ax = x - a;
   const double d1 = ab.dot(ax), d2 = ac.dot(ax);
@@ -32,8 +29,6 @@ Vec3 nearest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3
   const double scale = 1 / (va + vb + vc);
   return a + vb * scale * ab + vc * scale * ac;
 }
-
-}  // namespace
 
 std::vector<std::array<int, 3>> edge_neighbours(const std::vector<Triangle>& triangles, std::size_t num_points) {
   std::vector<std::array<int, 3>> neighbours(triangles.size(), {-1, -1, -1});

@@ -15,6 +15,10 @@ namespace cgcontact {
 /// several.
 std::vector<std::array<int, 3>> edge_neighbours(const std::vector<Triangle>& triangles, std::size_t num_points);
 
+/// Returns the nearest point of a triangle, and where it lies: 0 inside, 1 + e on the edge from corner e, 4 + k at
+/// corner k.
+Vec3 nearest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, int& feature);
+
 class TriangleSurface {
  public:
   /// Closed and oriented outwards (repair_and_check sees to that); `patch`: of every triangle, an index into

@@ -28,6 +28,15 @@ TEST(Expression, number_is_constant) {
   EXPECT_EQ(Expression(2.5)(Vec3(1, 2, 3)), 2.5);
 }
 
+TEST(Expression, function_of_the_position) {
+  const Expression f([](const Vec3&x) { return x[0] - 2 * x[2]; }), copy(f);
+  EXPECT_FALSE(f.is_constant());
+  EXPECT_FALSE(f.is_zero());
+  EXPECT_EQ(f(Vec3(1, 2, 3)), -5);
+  EXPECT_EQ(copy(Vec3(1, 2, 3)), -5);
+  EXPECT_TRUE(f.compared().empty());
+}
+
 TEST(Expression, text_without_variables_is_constant) {
   EXPECT_TRUE(Expression("2*pi", location).is_constant());
   EXPECT_TRUE(Expression("1-1", location).is_zero());

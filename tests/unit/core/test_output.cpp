@@ -13,11 +13,13 @@
 #include <set>
 #include <sstream>
 
+#include "core/base/hdf_file.hpp"
 #include "core/base/text.hpp"
 #include "core/drawing/clip_cells.hpp"
 #include "core/output/output.hpp"
-#include "core/output/output_hdf.hpp"
 #include "core/output/output_summary.hpp"
+#include "core/scene/displacement_field.hpp"
+#include "tests/support/input_errors.hpp"
 
 namespace cgcontact::test_output {
 namespace {
@@ -580,6 +582,76 @@ TEST_F(output, the_summary_has_units_and_errors_and_says_what_to_open) {
   EXPECT_NE(text.find("open next: " + out_ + "/report.html\n"), std::string::npos) << text;
   results.pairs[0].active_points = 0;  // nothing is transmitted: no relative errors
   EXPECT_EQ(summary(results, out_).find("0.4 %"), std::string::npos);
+}
+
+/// The body of a scene that displacements are read for.
+BodySpec body_named(const std::string& name) {
+  BodySpec body;
+  body.name = name;
+  return body;
+}
+
+/// Fields in a file are in single precision.
+constexpr double single = 6e-8;
+
+TEST_F(output, displacements_read_back_anywhere_in_a_body) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.plots = blocks->scene.output.report = false;
+  blocks->results.bodies[1].displacement = [&](int cell, const Vec3& xi) {
+    const Vec3 x = 1e3 * position(blocks->upper, cell, xi);
+    return Vec3(1e-6 * x[0] * x[1] * x[2], 0, 0);
+  };
+  write_results(blocks->results, blocks->scene, out_);
+  // Linear: exact in cut cells too; the corners of the block are in such.
+  const DisplacementField lower(out_, body_named("lower"));
+  EXPECT_EQ(lower.cell_size(), cell_size);
+  for (const Vec3& x : {Vec3(0, 0, 0), Vec3(4e-3, 3e-3, 2e-3), Vec3(1.234e-3, 1.9e-3, 0.7e-3), Vec3(3.9e-3, 1e-4, 1e-4),
+                        Vec3(1.7e-3, 0.4e-3, 0.6e-3), Vec3(2e-3, 2.9999e-3, 1.1e-3)}) {
+    const DisplacementField::Value found = lower.at(x);
+    EXPECT_LT(found.distance, 1e-12) << x.transpose();
+    EXPECT_LT((found.displacement - Vec3(1e-4 * x[1], 0, -2e-4 * x[2])).norm(), single * 5e-7) << x.transpose();
+  }
+  // Outside: the value at the nearest place, and how far that is.
+  const DisplacementField::Value beside = lower.at({4.5e-3, 1.5e-3, 1e-3}), corner = lower.at({-3e-3, 7e-3, 2e-3});
+  EXPECT_NEAR(beside.distance, 0.5e-3, 1e-12);
+  EXPECT_LT((beside.displacement - Vec3(1.5e-7, 0, -2e-7)).norm(), single * 5e-7);
+  EXPECT_NEAR(corner.distance, 5e-3, 1e-12);
+  EXPECT_LT((corner.displacement - Vec3(3e-7, 0, -4e-7)).norm(), single * 5e-7);
+  // Trilinear: exact in full cells.
+  const DisplacementField upper(out_, body_named(blocks->results.bodies[1].name));
+  for (const Vec3& x : {Vec3(1.2e-3, 1.1e-3, 2.9e-3), Vec3(2.6e-3, 1.6e-3, 3.4e-3), Vec3(3.1e-3, 2.2e-3, 3.5e-3)})
+    EXPECT_NEAR(upper.at(x).displacement[0], 1e3 * x[0] * x[1] * x[2], single * 5e-5) << x.transpose();
+}
+
+TEST_F(output, displacements_of_what_is_no_result_are_refused) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.plots = blocks->scene.output.report = false;
+  const auto expect = [&](const BodySpec& body, const std::vector<std::string>& phrases) {
+    expect_contains(message_of([&] { DisplacementField(out_, body); }), phrases);
+  };
+  expect(body_named("lower"), {"there is no directory " + out_});
+  fs::create_directory(out_);
+  expect(body_named("lower"), {"is no result of a run: it holds no report.json"});
+  write_text(file("report.json"), "{\"program\": \"another\"}");
+  expect(body_named("lower"), {"report.json is not a report of cgcontact"});
+  write_text(file("report.json"), "not json");
+  expect(body_named("lower"), {"report.json is not a report of cgcontact"});
+  fs::remove_all(out_);
+  write_results(blocks->results, blocks->scene, out_);
+  expect(body_named("lowr"), {"no body \"lowr\" (did you mean \"lower\"?)", "it has lower, "});
+  BodySpec flat = body_named("lower");
+  flat.plane_strain = Coordinate::x;
+  expect(flat, {"body \"lower\" is computed in three dimensions there and in plane strain across x here"});
+  flat.unit_radius = 1;
+  expect(flat, {"as a body of revolution about y here"});
+  const std::string cells = read_text(file("result.vtkhdf"));
+  write_text(file("result.vtkhdf"), cells.substr(0, cells.size() / 2));
+  expect(body_named("lower"), {"result.vtkhdf cannot be read"});
+  fs::remove(file("result.vtkhdf"));
+  expect(body_named("lower"), {"has no displacements: it holds no result.vtkhdf (output.vtk = false)"});
+  blocks->results.converged = false;
+  write_results(blocks->results, blocks->scene, out_);
+  expect(body_named("lower"), {"did not converge"});
 }
 
 TEST(output_text, numbers_for_people) {

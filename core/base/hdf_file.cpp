@@ -1,4 +1,4 @@
-#include "core/output/output_hdf.hpp"
+#include "core/base/hdf_file.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>

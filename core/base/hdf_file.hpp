@@ -1,5 +1,5 @@
-/// Small HDF5 writer for VTKHDF files. A file is built in memory and written in one go, so that a full disk is one
-/// plain error, or, if larger than memory, array by array on the disk.
+/// HDF5 files, for VTKHDF. A file is built in memory and written in one go, so that a full disk is one plain error, or,
+/// if larger than memory, array by array on the disk. One that is there is read array by array.
 #pragma once
 
 #include <string>
@@ -52,7 +52,7 @@ class HdfFile {
   bool is_broken_ = false;     ///< could not be written: closing it would try again
 };
 
-/// The arrays of a file that has been written, for writers of other formats.
+/// The arrays of a file that has been written, for other formats and later runs.
 class HdfReader {
  public:
   struct Array {
