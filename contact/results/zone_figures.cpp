@@ -289,6 +289,7 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
     if (pair.bonded()) continue;
     const Zone zone(state, results, static_cast<int>(k));
     figures.zone.sectors = zone.num_sectors();
+    figures.zone.planes = zone.frame().planes;
     figures.zone.extent = zone.extent();
     figures.zone.hertz = zone.hertz(figures.zone.normal_force);
   }
