@@ -65,7 +65,7 @@ struct PathEnd {
   CurveEnd at;
 };
 
-/// Planes behind which the zone of a path's pair goes on; of a path of the scene those of all pairs.
+/// Planes of symmetry that the zone of a path's pair reaches; of a path of the scene those of all pairs.
 std::vector<SymmetryPlane> planes_of_path(const Results& results, int pair) {
   if (results.path_from_largest) return results.pairs[static_cast<std::size_t>(pair)].zone.planes;
   std::vector<SymmetryPlane> planes;

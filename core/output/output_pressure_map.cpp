@@ -402,9 +402,10 @@ struct MeanCurve {
   std::vector<double> borders;  ///< of closed points, m
 };
 
-/// m, of the bins of a body's curve.
+/// m, of the bins of a body's curve: small ones where rows beside each other have one pressure.
 double bin_width(const Results& results, int body, const Layout& layout) {
-  return std::max(bin_in_cells * smallest_cell(results, body), layout.paper.extent(*layout.axis) / max_bins);
+  const double least = layout.paper.extent(*layout.axis) / max_bins;
+  return layout.section ? least : std::max(bin_in_cells * smallest_cell(results, body), least);
 }
 
 std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, const Layout& layout) {
@@ -415,6 +416,7 @@ std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, con
     std::map<long long, Bin> bins;
     for (const ContactRow& row : results.contact_rows) {
       if (row.body != b || row.pair != static_cast<int>(face.pair) || !layout.holds(row.x)) continue;
+      if (!std::isfinite(row.distance)) continue;  // beyond the end of the other face
       const double s = layout.chart.position(row.x)[axis];
       Bin& bin = bins[std::llround(s / width)];
       bin.coordinate += row.weight * s;

@@ -44,7 +44,7 @@ struct ZoneFigures {
   double normal_force = 0;   ///< N, integral of the transmitted pressure: magnitudes, not their resultant
   double mean_pressure = 0;  ///< Pa, that over the area
   int sectors = 1;           ///< equal ones that planes of symmetry divide the whole zone into; one of them is modelled
-  /// Those planes; none where they are neither parallel nor across.
+  /// Planes of symmetry that the zone reaches; for bodies of revolution also one at the axis.
   std::vector<SymmetryPlane> planes;
   std::optional<MomentAbout> moment;
   std::optional<ZoneExtent> extent;   ///< none: the zone goes round a corner or about an axis
