@@ -91,19 +91,22 @@ void walk(const FaceProjection& project, const ContactRow& top, const Vec3& alon
 /// Extent of a path.
 struct Extent {
   double length = 0;
-  bool closed = false;  ///< back at its beginning
+  bool closed = false;          ///< back at its beginning
+  bool ends_with_face = false;  ///< less than a step of the walk beyond
 };
 
 /// A little beyond the zone, to the end of the face, or once around it. h: size of a cell there, m.
 Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec3& along, double h) {
   double last_pressed = 0;
+  bool goes_on = true;
   Extent extent;
   walk(project, top, along, walk_step * h, max_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > hardly_any_pressure * top.pressure_sprc) last_pressed = way;
-    return way < (1 + beyond) * last_pressed + beyond_cells * h;
+    return goes_on = way < (1 + beyond) * last_pressed + beyond_cells * h;
   });
+  extent.ends_with_face = goes_on && !extent.closed;
   return extent;
 }
 
@@ -118,21 +121,22 @@ std::vector<PathPoint> path_points(const SolvedState& state, const Results& resu
   const Vec3 along = direction_of(results, top);
   const double h = state.bodies[top.body].cut_cells.h(top.cell);
   const Extent whole = extent_of(project, top, along, h);
-  const double ahead = whole.closed ? whole.length / 2 : whole.length;
-  const double back = whole.closed ? ahead : extent_of(project, top, -along, h).length;
+  const Extent other = whole.closed ? whole : extent_of(project, top, -along, h);
+  const double share = whole.closed ? 0.5 : 1.0, ahead = share * whole.length, back = share * other.length;
   if (!(back + ahead > 0)) return {};
   const double step = (back + ahead) / (num_samples - 1);
   std::vector<PathPoint> points;
-  const auto add = [&](double sign, double length) {
+  const auto add = [&](double sign, const Extent& extent) {
+    const double length = share * extent.length + (extent.ends_with_face ? walk_step * h : 0);
     walk(project, top, sign * along, step, static_cast<int>(length / step), [&](const ContactRow& row, double way) {
       points.push_back({sign * way, row.x});
       return true;
     });
   };
-  add(-1, back);
+  add(-1, other);
   std::reverse(points.begin(), points.end());
   points.push_back({0, top.x});
-  add(1, ahead);
+  add(1, whole);
   return points;
 }
 

@@ -27,7 +27,8 @@ class FaceProjection {
 
 /// Sets Results::path. With a path in the scene: 401 points of that line, projected to the faces of every body. Else
 /// for every pair with pressure a line on the face through the largest pressure, along the coordinate axis (or else the
-/// main direction) in which the zone is longest, a little beyond both ends; s is zero at the largest pressure.
+/// main direction) in which the zone is longest, a little beyond both ends or to the end of the face; s is zero at the
+/// largest pressure.
 void fill_paths(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

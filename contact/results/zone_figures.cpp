@@ -44,6 +44,8 @@ class Zone {
   /// Counts the equal sectors of the whole zone, those behind planes of symmetry included.
   int num_sectors() const { return askew_ ? 1 : 1 << planes_.size(); }
 
+  const std::vector<SymmetryPlane>& reached_planes() const { return reached_; }
+
   ZoneFrame frame() const {
     ZoneFrame found;
     if (!askew_) found.planes = planes_;
@@ -124,17 +126,17 @@ class Zone {
     });
   }
 
-  /// Those that the zone reaches, across each other; the two sides of a slice are none.
+  /// Finds those that the zone reaches; of them those across each other divide it. The two sides of a slice do not, nor
+  /// does anything that is turned about an axis.
   void find_planes() {
-    if (body_of_revolution()) return;
-    std::vector<SymmetryPlane> reached;
     for (const SymmetryPlane& plane : planes_of_pair())
       if (std::any_of(rows_.begin(), rows_.end(),
                       [&](const ContactRow* row) { return std::abs(plane.distance(row->x)) < row->larger_cell; }))
-        reached.push_back(plane);
-    for (const SymmetryPlane& plane : reached) {
+        reached_.push_back(plane);
+    if (body_of_revolution()) return;
+    for (const SymmetryPlane& plane : reached_) {
       int parallel = 0;
-      for (const SymmetryPlane& other : reached) {
+      for (const SymmetryPlane& other : reached_) {
         const double cosine = std::abs(plane.normal.dot(other.normal));
         parallel += cosine > 1 - across;
         askew_ |= cosine > across && cosine <= 1 - across;
@@ -232,7 +234,7 @@ class Zone {
   const ContactPair& pair_;
   const PairFigures& figures_;
   std::vector<const ContactRow*> rows_;
-  std::vector<SymmetryPlane> planes_;
+  std::vector<SymmetryPlane> reached_, planes_;  // by the zone; those that divide it
   bool askew_ = false;  ///< planes that are neither parallel nor across: their images are not counted
   bool flat_ = false;
   Vec3 centre_ = Vec3::Zero();
@@ -289,6 +291,7 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
     if (pair.bonded()) continue;
     const Zone zone(state, results, static_cast<int>(k));
     figures.zone.sectors = zone.num_sectors();
+    figures.zone.planes = zone.reached_planes();
     figures.zone.extent = zone.extent();
     figures.zone.hertz = zone.hertz(figures.zone.normal_force);
   }

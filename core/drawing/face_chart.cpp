@@ -144,6 +144,18 @@ void FaceChart::project(const Vec3& mean_normal, int axis) {
 /// About the axis, counted from `eye` towards `right`: so that `right` is the arc's direction seen from outside.
 double FaceChart::angle(const Vec3& x) const { return std::atan2(right_.dot(x - centre_), eye_.dot(x - centre_)); }
 
+Vec3 FaceChart::direction(int axis, const Vec3& x) const {
+  if (axis == 1) return up_;
+  if (!unrolled()) return right_;
+  const double a = angle(x);
+  return std::cos(a) * right_ - std::sin(a) * eye_;
+}
+
+/// The right of an unrolled face turns, but only in the plane that `up` is across.
+int FaceChart::axis_across(const Vec3& direction) const {
+  return std::abs(right_.dot(direction)) > std::abs(up_.dot(direction)) ? 1 : 0;
+}
+
 Vec3 FaceChart::position(const Vec3& x, const Vec3& near) const {
   if (!unrolled()) return {right_.dot(x), up_.dot(x), eye_.dot(x)};
   const double middle = wrapped_angle(angle(near) - middle_angle_);

@@ -1,6 +1,7 @@
 /// Lays a face of a body out on paper.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,10 @@ class FaceChart {
   Vec3 position(const Vec3& x) const { return position(x, x); }
   /// Returns whether the picture is seen from inside the body: triangles are to be turned round.
   bool mirrored() const { return mirrored_; }
+  /// Returns the direction of an axis of the chart (0: right, 1: up) at x, global axes.
+  Vec3 direction(int axis, const Vec3& x) const;
+  /// Returns the axis of the chart (0: right, 1: up) that a direction is more nearly across to.
+  int axis_across(const Vec3& direction) const;
   bool unrolled() const { return radius_ > 0; }
   const std::string& right_name() const { return right_name_; }
   const std::string& up_name() const { return up_name_; }

@@ -40,6 +40,15 @@ std::vector<std::vector<std::size_t>> triangles_by_strip(const Camera& camera, s
 
 }  // namespace
 
+bool reaches_picture(const std::array<Vec3, 3>& corners, const std::array<int, 2>& size, const Camera& camera) {
+  for (int k = 0; k < 2; ++k) {
+    const auto coordinate = [&](int v) { return (k == 0 ? camera.right : camera.up).dot(corners[v]) - camera.low[k]; };
+    const auto [low, high] = std::minmax({coordinate(0), coordinate(1), coordinate(2)});
+    if (high < 0 || low > size[k] / camera.pixels_per_metre) return false;
+  }
+  return true;
+}
+
 RenderedImage render(const std::array<int, 2>& size, const Camera& camera, ColourMap colour, double shading,
                      std::size_t count, const std::function<RasterTriangle(std::size_t)>& triangle) {
   const auto num_pixels = [&](int rows) { return static_cast<std::size_t>(size[0]) * rows; };

@@ -21,6 +21,9 @@ struct RenderedImage {
   std::vector<int> regions;  ///< of each pixel, -1: nothing there
 };
 
+/// Returns whether any of a picture may show a triangle with these corners (m).
+bool reaches_picture(const std::array<Vec3, 3>& corners, const std::array<int, 2>& size, const Camera& camera);
+
 /// Draws triangle(0) .. triangle(count - 1); `triangle` is called more than once for each, from several threads.
 /// `shading` as in RasterImage::draw.
 RenderedImage render(const std::array<int, 2>& size, const Camera& camera, ColourMap colour, double shading,

@@ -13,8 +13,8 @@ namespace {
 constexpr double inside_fraction = 0.15;
 /// Fraction of the scene's extent: a zone this near to a side of the scene reaches it.
 constexpr double beside = 0.05;
-/// Fraction of the largest pressure at which a zone ends, as in the pressure map.
-constexpr double zone_end = 0.01;
+/// Side of what is shown around a zone over the zone's, as the page's view has it.
+constexpr double zone_view = 2.2;
 
 SceneBox bounds(const std::vector<DrawnBody>& bodies) {
   SceneBox box;
@@ -198,6 +198,22 @@ std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBo
   for (const DrawnBody& body : bodies)
     shown.push_back(view.opened ? cut_open(body, view.cut.corner, view.cut.directions) : boundary_of(body));
   return shown;
+}
+
+std::optional<ZoneLook> look_at_main_zone(const Results& results, const std::vector<DrawnBody>& bodies,
+                                          const SceneView& scene) {
+  const int pair = most_pressed(results);
+  const std::optional<ContactZoneBox> zone = pair < 0 ? std::nullopt : zone_of_pair(results, pair);
+  if (!zone || scene.shown.empty()) return std::nullopt;
+  return ZoneLook{pair, zone->box, look_at_zone(bodies, scene, *zone)};
+}
+
+std::vector<Vec3> corners_around(const SceneBox& zone) {
+  std::vector<Vec3> corners;
+  const Vec3 middle = (zone.low + zone.high) / 2, half = zone_view * zone.extent() / 2;
+  for (int c = 0; c < 8; ++c)
+    corners.push_back(middle + half.cwiseProduct(Vec3(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1)));
+  return corners;
 }
 
 std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair) {

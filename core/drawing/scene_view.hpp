@@ -46,6 +46,12 @@ SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody
 /// Returns SceneView::shown of the same bodies with other fields.
 std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBody>& bodies);
 
+/// Fraction of the largest pressure at which a contact zone ends in all pictures; the contact area of the report is
+/// measured so too.
+constexpr double zone_end = 0.01;
+/// Fraction of the scene's view: one of a zone that takes more of it shows nothing new.
+constexpr double nearly_all_of_scene = 0.6;
+
 /// Box of a pair's pressed zone.
 struct ContactZoneBox {
   SceneBox box;
@@ -59,5 +65,19 @@ std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair);
 /// Views the scene for a contact zone: from a side of the scene that the zone reaches, else cut open in the middle of
 /// it.
 SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone);
+
+/// The contact zone that pictures show from nearby.
+struct ZoneLook {
+  int pair = 0;
+  SceneBox box;  ///< of the zone
+  SceneView view;
+};
+
+/// Looks at the zone of the pressed pair with the largest force; none: nothing is pressed, or `scene` shows nothing.
+std::optional<ZoneLook> look_at_main_zone(const Results& results, const std::vector<DrawnBody>& bodies,
+                                          const SceneView& scene);
+
+/// Returns the corners of the box that is shown around a zone, which keeps its middle.
+std::vector<Vec3> corners_around(const SceneBox& zone);
 
 }  // namespace cgcontact

@@ -283,8 +283,11 @@ PageContents write_files(Results& results, const Scene& scene, const TemporaryDi
       if (faces) contents.faces = draw_conditions(scene, checked_bodies(results), drawn, *faces, runs);
       contents.pressure_maps = write_pressure_maps(results, surface, runs);
       SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
-      write_picture(results, drawn, scene_view, runs);
-      write_grid_picture(results, drawn, scene_view, runs);
+      std::optional<ZoneLook> zone = look_at_main_zone(results, drawn, scene_view);
+      ZoneLook* const near = zone ? &*zone : nullptr;
+      if (write_picture(results, drawn, scene_view, near, runs))
+        contents.zone_in_scene = results.pairs[near->pair].name;
+      write_grid_picture(results, scene_view, near, runs);
       write_sections(scene, drawn, runs);
       if (!steps) view.reset();
     };

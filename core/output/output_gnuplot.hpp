@@ -45,6 +45,9 @@ std::array<double, 3> palette_colour(double value);
 /// Returns the same as a gnuplot command.
 std::string gnuplot_palette();
 
+/// Looks of the mirror images of pressure curves, and of the planes of symmetry that end curves.
+constexpr const char *mirrored_colour = "#f0b49c", *plane_colour = "#909090", *plane_dashes = "(8,3,2,3)";
+
 /// Quotes a text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
 /// interpreted if the terminal is set to noenhanced.
 std::string gnuplot_text(const std::string& text);

@@ -20,26 +20,10 @@ namespace {
 constexpr int side = 520, bar_room = 130, title_room = 44, line_room = 30;
 /// Bodies in the legend.
 constexpr std::size_t max_listed_bodies = 8;
-/// Side of the view of the zone over the zone's.
-constexpr double zone_view = 2.2;
-/// A zone whose view takes so much of the scene's gets none of its own.
-constexpr double nearly_all = 0.6;
 /// Colours of the largest cells keep so much of their body's.
 constexpr double palest = 0.3;
 /// Fractions of the cells whose errors are below and above the range of colours.
 constexpr double below_colours = 0.01, above_colours = 0.001;
-
-/// Returns the zone of the pair with the largest force; none: nothing is pressed.
-std::optional<ContactZoneBox> pressed_zone(const Results& results) {
-  int pair = -1;
-  double largest = 0;
-  for (std::size_t k = 0; k < results.pairs.size(); ++k)
-    if (const double force = results.pairs[k].force_on_first.norm(); force > largest) {
-      largest = force;
-      pair = static_cast<int>(k);
-    }
-  return pair < 0 ? std::nullopt : zone_of_pair(results, pair);
-}
 
 std::vector<Vec3> positions_of(const std::vector<DrawnBody>& bodies) {
   std::vector<Vec3> positions;
@@ -47,33 +31,17 @@ std::vector<Vec3> positions_of(const std::vector<DrawnBody>& bodies) {
   return positions;
 }
 
-/// Camera around the corners of a box.
-void fit_zone(const SceneBox& box, Panel& view) {
-  std::vector<Vec3> corners;
-  const Vec3 middle = (box.low + box.high) / 2, half = box.extent() / 2;
-  for (int c = 0; c < 8; ++c)
-    corners.push_back(middle + zone_view * half.cwiseProduct(Vec3(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1)));
-  view.fit(corners);
-}
-
 /// Colour of an active cell of a body.
 using CellColour = std::function<Rgb(std::size_t body, int cell)>;
 
 RenderedImage draw(const std::vector<DrawnBody>& bodies, const Panel& view, const CellColour& colour) {
-  const auto is_seen = [&](const DrawnBody& body, const BoundaryTriangle& t) {
-    for (int k = 0; k < 2; ++k) {
-      const auto coordinate = [&](int v) {
-        return (k == 0 ? view.camera.right : view.camera.up).dot(body.position[t.points[v]]) - view.camera.low[k];
-      };
-      const auto [low, high] = std::minmax({coordinate(0), coordinate(1), coordinate(2)});
-      if (high < 0 || low > view.size[k] / view.camera.pixels_per_metre) return false;
-    }
-    return true;
-  };
   std::vector<std::pair<std::size_t, std::size_t>> triangles;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i)
-      if (is_seen(bodies[b], bodies[b].mesh.boundary[i])) triangles.emplace_back(b, i);
+    for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i) {
+      const auto& t = bodies[b].mesh.boundary[i].points;
+      const std::vector<Vec3>& x = bodies[b].position;
+      if (reaches_picture({x[t[0]], x[t[1]], x[t[2]]}, view.size, view.camera)) triangles.emplace_back(b, i);
+    }
   const auto triangle = [&](std::size_t k) {
     const auto [b, i] = triangles[k];
     const DrawnBody& body = bodies[b];
@@ -170,19 +138,19 @@ struct Look {
   const char* text;
 };
 
-std::vector<Look> looks_at(const SceneView& scene, const SceneView* at_zone,
-                           const std::optional<ContactZoneBox>& zone) {
+std::vector<Look> looks_at(const SceneView& scene, const ZoneLook* zone) {
   Look whole{&scene, {}, "whole", "the whole scene"};
   whole.view.side = side;
   whole.view.camera = scene.camera;
   whole.view.fit(positions_of(scene.shown));
   std::vector<Look> looks{whole};
-  if (!at_zone) return looks;
-  Look near{at_zone, {}, "zone", "near the contact zone"};
+  if (!zone) return looks;
+  Look near{&zone->view, {}, "zone", "near the contact zone"};
   near.view.side = side;
-  near.view.camera = at_zone->camera;
-  fit_zone(zone->box, near.view);
-  if (nearly_all * near.view.camera.pixels_per_metre > whole.view.camera.pixels_per_metre) looks.push_back(near);
+  near.view.camera = zone->view.camera;
+  near.view.fit(corners_around(zone->box));
+  if (nearly_all_of_scene * near.view.camera.pixels_per_metre > whole.view.camera.pixels_per_metre)
+    looks.push_back(near);
   return looks;
 }
 
@@ -247,15 +215,11 @@ std::string script(const Results& results, std::vector<Look>& looks, const std::
 
 }  // namespace
 
-void write_grid_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
-                        GnuplotRuns& runs) {
+void write_grid_picture(const Results& results, const SceneView& scene, const ZoneLook* zone, GnuplotRuns& runs) {
   const bool refined = std::any_of(results.bodies.begin(), results.bodies.end(),
                                    [](const BodyFields& body) { return body.cut_cells->num_levels() > 1; });
   if (scene.shown.empty() || !(refined || results.accuracy.asked)) return;
-  const std::optional<ContactZoneBox> zone = pressed_zone(results);
-  std::optional<SceneView> at_zone;
-  if (zone) at_zone = look_at_zone(bodies, scene, *zone);
-  std::vector<Look> looks = looks_at(scene, at_zone ? &*at_zone : nullptr, zone);
+  std::vector<Look> looks = looks_at(scene, zone);
   runs.start("grid", script(results, looks, stress_errors(results), runs.directory() + "/plots"), {"grid.png"});
 }
 

@@ -2,8 +2,6 @@
 /// contact zone.
 #pragma once
 
-#include <vector>
-
 #include "core/drawing/scene_view.hpp"
 #include "core/output/output_gnuplot.hpp"
 #include "core/results/results.hpp"
@@ -11,8 +9,7 @@
 namespace cgcontact {
 
 /// Draws the grids of runs to an accuracy and grids of several levels; nothing for others. `scene`: look_at_scene of
-/// the bodies. Needs the folder plots of the result directory.
-void write_grid_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
-                        GnuplotRuns& runs);
+/// the bodies; `zone`: nullptr if there is none. Needs the folder plots of the result directory.
+void write_grid_picture(const Results& results, const SceneView& scene, const ZoneLook* zone, GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -602,6 +602,12 @@ std::string sections_section(const PageContents& contents) {
   return text;
 }
 
+/// Says what scene.png shows, for those who do not see it.
+std::string words_of_scene(const Results& results, const std::string& zone) {
+  const std::string near = zone.empty() ? "" : ", and the contact zone of " + zone + " from nearby";
+  return "Deformed bodies" + near + ": " + result_in_words(results);
+}
+
 std::string maps_section(const Results& results, const PageContents& contents) {
   std::string text;
   for (const PressureMap& map : contents.pressure_maps)
@@ -907,7 +913,7 @@ std::string page(const Results& results, const PageContents& contents) {
   text += section("accuracy", "The way to the accuracy", accuracy_section(results, contents));
   text += section("view", "The result in three dimensions", view_content(contents.view));
   text += section("picture", "Deformed bodies",
-                  picture(contents, "scene.png", "Deformed bodies: " + result_in_words(results), ""));
+                  picture(contents, "scene.png", words_of_scene(results, contents.zone_in_scene), ""));
   text += section("maxima", "Largest values", maxima_section(results));
   text += section("contact", "Contact", pairs_section(results));
   text += section("steps", "Steps", steps_section(results, contents));

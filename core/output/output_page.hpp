@@ -17,7 +17,8 @@ namespace cgcontact {
 struct PageContents {
   std::string directory;  ///< of the pictures; those that are missing are left out
   std::vector<PressureMap> pressure_maps;
-  std::vector<ConditionFace> faces;                           ///< of conditions.png
+  std::string zone_in_scene;         ///< pair whose contact zone scene.png shows from nearby; empty: none
+  std::vector<ConditionFace> faces;  ///< of conditions.png
   std::vector<std::pair<std::string, std::string>> sections;  ///< name, picture
   std::vector<std::string> steps;                             ///< pictures
   std::vector<std::string> warnings;                          ///< those of the output

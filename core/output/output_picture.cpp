@@ -9,15 +9,20 @@
 #include <optional>
 
 #include "core/base/text.hpp"
+#include "core/drawing/clip_cells.hpp"
 #include "core/drawing/drawn_fits.hpp"
 #include "core/drawing/render.hpp"
 #include "core/output/output_gnuplot.hpp"
+#include "core/output/picture_sheet.hpp"
 
 namespace cgcontact {
 
 namespace {
 
 constexpr int picture_side = 1000;
+/// Pixels: side of the picture of the contact zone, as high as that of the scene within these bounds; space between
+/// its parts.
+constexpr int min_zone_side = 420, max_zone_side = 560, between = 40;
 /// Pixels: by which the last body is drawn nearer to the viewer than the first one. Otherwise rounding would decide
 /// which of overlapping sections in one plane is seen.
 constexpr double nearer = 2;
@@ -103,10 +108,15 @@ Vec3 drawn_position(const DrawnBody& body, int point, double exaggeration) {
 
 /// Pixels of the bodies, by row from the bottom.
 std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
+  const auto is_seen = [&](const DrawnBody& body, std::size_t i) {
+    const auto& points = body.mesh.boundary[i].points;
+    const auto at = [&](int v) { return drawn_position(body, points[v], view.exaggeration); };
+    return reaches_picture({at(0), at(1), at(2)}, size, view.camera);
+  };
   std::vector<std::array<int, 2>> triangles;  // body, triangle of its boundary
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i)
-      triangles.push_back({static_cast<int>(b), static_cast<int>(i)});
+      if (is_seen(bodies[b], i)) triangles.push_back({static_cast<int>(b), static_cast<int>(i)});
   const double step = nearer / (view.camera.pixels_per_metre * static_cast<double>(bodies.size()));
   const auto triangle = [&](std::size_t i) {
     const DrawnBody& body = bodies[triangles[i][0]];
@@ -196,69 +206,165 @@ std::string largest_text(const Results& results, std::size_t body, const View& v
                      most.value > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
 }
 
+/// The contact zone beside the scene, from nearby.
+struct ZonePicture {
+  View view;
+  int side;  ///< pixels
+  std::string heading;
+};
+
+/// Places of the parts of a picture, pixels; what is below `bottom` are axes and notes.
+struct Frame {
+  int left, bottom, notes, width, height;
+  int zone_left, bar_left;
+  GnuplotTitle title, largest;
+};
+
+Frame frame_of(const Results& results, const View& view, const std::array<int, 2>& size, bool has_ring,
+               const std::optional<ZonePicture>& zone) {
+  const bool flat = view.thin_axis >= 0;
+  const int right = 145;
+  Frame frame{};
+  frame.left = flat ? 125 : 30;
+  frame.zone_left = frame.left + size[0] + between;
+  frame.bar_left = zone ? frame.zone_left + zone->side + between : frame.left + size[0] + 25;
+  frame.width = frame.bar_left + right;
+  const auto most = most_stressed(results);
+  frame.title = gnuplot_title(drawable_text(results.title), frame.width - 20, png_pixels(18));
+  frame.largest =
+      gnuplot_title(most ? largest_text(results, *most, view, has_ring) : "", frame.width - 20, png_pixels(14));
+  frame.notes = 10 + 20 * frame.largest.lines;
+  frame.bottom = frame.notes + (flat ? 80 : 125);
+  const int top = 36 + 24 * frame.title.lines + (zone ? 24 : 0);
+  frame.height = frame.bottom + std::max(size[1], zone ? zone->side : 0) + top;
+  return frame;
+}
+
+/// Margins of a plot of pixels with its lower left corner at (left, frame.bottom).
+std::string margins(const Frame& frame, int left, const std::array<int, 2>& size) {
+  const double width = frame.width, height = frame.height;
+  return fmt::format(
+      "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
+      left / width, (left + size[0]) / width, frame.bottom / height, (frame.bottom + size[1]) / height);
+}
+
+/// Bar of colours for all of a picture. panels: their height, pixels; most: the largest stress, Pa, which the bar may
+/// end below.
+std::string colour_bar(const View& view, int panels, double most, const Frame& frame, Overlay& overlay) {
+  const DisplayUnit stress = stress_unit(view.high);
+  const double bottom = frame.bottom + 0.1 * panels, height = 0.8 * panels;
+  if (most > view.high * (1 + 1e-6))
+    overlay.label("to " + scaled(most, "Pa"), {frame.bar_left + 12.0, bottom + height + 16}, "center front font ',13'");
+  return fmt::format("set cbrange [{}:{}]\nset cblabel 'von Mises stress [{}]'\n", view.low * stress.factor,
+                     view.high * stress.factor, stress.name) +
+         fmt::format("set colorbox user origin screen {},{} size screen {},{}\n",
+                     static_cast<double>(frame.bar_left) / frame.width, bottom / frame.height, 24.0 / frame.width,
+                     height / frame.height);
+}
+
+/// Axes of a scene that is seen from the front, else the directions of the axes and a length.
+std::string axes(const View& view, const std::array<int, 2>& size, const Frame& frame, Overlay& overlay) {
+  const std::string scale = view.exaggeration > 1 ? fmt::format("displacement x {:.0f}", view.exaggeration)
+                                                  : std::string("displacement to scale");
+  if (view.thin_axis < 0) {
+    draw_axes_and_scale(view, size[0], {frame.left + 55.0, frame.notes + 50.0}, overlay);
+    overlay.label(scale, {frame.left + 145.0, frame.notes + 16.0}, "left front font ',14'");
+    return "unset border\nunset xtics\nunset ytics\n";
+  }
+  const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
+  return "set border 3 lc rgb '#404040'\nset tics nomirror out\n" +
+         fmt::format("set xlabel '{} [{}]     ({})'\nset ylabel '{} [{}]'\n", view.thin_axis == 0 ? "y" : "x",
+                     length.name, scale, view.thin_axis == 2 ? "y" : "z", length.name);
+}
+
+/// Plot of a zone's pixels, NAME_zone.rgb, beside that of the scene.
+std::string zone_script(const std::string& name, const ZonePicture& zone, const Frame& frame) {
+  const int side = zone.side;
+  Overlay overlay(frame.width, frame.height);
+  overlay.label(zone.heading, {frame.zone_left + side / 2.0, frame.bottom + side + 14.0}, "center front font ',12'");
+  draw_axes_and_scale(zone.view, side, {frame.zone_left + 55.0, frame.bottom - 62.0}, overlay);
+  return "unset label\nunset arrow\nunset object\nunset colorbox\nunset xtics\nunset ytics\nunset xlabel\n"
+         "unset ylabel\nset border 15 lc rgb '#a0a0a0'\n" +
+         margins(frame, frame.zone_left, {side, side}) + fmt::format("set xrange [0:{0}]\nset yrange [0:{0}]\n", side) +
+         overlay.script() +
+         fmt::format("plot '{0}_zone.rgb' binary array=({1},{1}) format='%uchar' origin=(0.5,0.5) with rgbimage\n",
+                     name, side);
+}
+
 /// `name`: of the picture and of its pixels.
 std::string picture_script(const std::string& name, const Results& results, const View& view,
-                           const std::array<int, 2>& size, const std::optional<Vec3>& largest_at) {
-  const DisplayUnit stress = stress_unit(view.high);
-  const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
-  const bool flat = view.thin_axis >= 0;
-  const int left = flat ? 125 : 30, right = 170;
+                           const std::array<int, 2>& size, const std::optional<Vec3>& largest_at,
+                           const std::optional<ZonePicture>& zone) {
+  const Frame frame = frame_of(results, view, size, largest_at.has_value(), zone);
+  const double height = frame.height;
   const auto most = most_stressed(results);
-  const int width = size[0] + left + right;
-  const GnuplotTitle title = gnuplot_title(drawable_text(results.title), width - 20, png_pixels(18));
-  const GnuplotTitle largest =
-      gnuplot_title(most ? largest_text(results, *most, view, largest_at.has_value()) : "", width - 20, png_pixels(14));
-  const int notes = 10 + 20 * largest.lines;
-  const int bottom = notes + (flat ? 80 : 125), top = 36 + 24 * title.lines;
-  const int height = size[1] + bottom + top;
+  Overlay overlay(frame.width, frame.height);
   std::string script = fmt::format(
-      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width,
-      height);
-  script += "set output '../" + name + ".png'\nunset key\n" + gnuplot_palette();
-  script += fmt::format(
-      "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
-      static_cast<double>(left) / width, static_cast<double>(left + size[0]) / width,
-      static_cast<double>(bottom) / height, static_cast<double>(bottom + size[1]) / height);
-  script += fmt::format("set label {} at screen 0.5,{} center font ',18'\n", title.text, 1 - 28.0 / height);
-  script += fmt::format("set cbrange [{}:{}]\nset cblabel 'von Mises stress [{}]'\n", view.low * stress.factor,
-                        view.high * stress.factor, stress.name);
-  const double bar_left = left + size[0] + 25, bar_bottom = bottom + 0.1 * size[1], bar_height = 0.8 * size[1];
-  script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", bar_left / width,
-                        bar_bottom / height, 24.0 / width, bar_height / height);
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n",
+      frame.width, frame.height);
+  script += "set output '../" + name + ".png'\nunset key\n" + gnuplot_palette() + margins(frame, frame.left, size);
+  script += fmt::format("set label {} at screen 0.5,{} center font ',18'\n", frame.title.text, 1 - 28.0 / height);
+  if (most)
+    script += fmt::format("set label {} at screen 0.5,{} center font ',14'\n", frame.largest.text,
+                          (frame.notes - 12.0) / height);
+  script += colour_bar(view, std::max(size[1], zone ? zone->side : 0), most ? largest_stress(results, *most).value : 0,
+                       frame, overlay);
+  if (largest_at) {
+    const auto pixels = [&](const Vec3& direction, double low) {
+      return (direction.dot(*largest_at) - low) * view.camera.pixels_per_metre;
+    };
+    overlay.ring({frame.left + pixels(view.camera.right, view.camera.low[0]),
+                  frame.bottom + pixels(view.camera.up, view.camera.low[1])},
+                 9);
+  }
+  const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
   const double step = length.factor / view.camera.pixels_per_metre;
   const double x = view.camera.low[0] * length.factor, y = view.camera.low[1] * length.factor;
   script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
-  const std::string scale = view.exaggeration > 1 ? fmt::format("displacement x {:.0f}", view.exaggeration)
-                                                  : std::string("displacement to scale");
-  Overlay overlay(width, height);
-  if (most) {
-    script += fmt::format("set label {} at screen 0.5,{} center font ',14'\n", largest.text, (notes - 12.0) / height);
-    if (const double value = largest_stress(results, *most).value; value > view.high * (1 + 1e-6))
-      overlay.label("to " + scaled(value, "Pa"), {bar_left + 12, bar_bottom + bar_height + 16},
-                    "center front font ',13'");
-  }
-  if (largest_at) {
-    const Pixel at{left + (view.camera.right.dot(*largest_at) - view.camera.low[0]) * view.camera.pixels_per_metre,
-                   bottom + (view.camera.up.dot(*largest_at) - view.camera.low[1]) * view.camera.pixels_per_metre};
-    overlay.ring(at, 9);
-  }
-  if (flat) {
-    const char* right_axis = view.thin_axis == 0 ? "y" : "x";
-    const char* up_axis = view.thin_axis == 2 ? "y" : "z";
-    script += "set border 3 lc rgb '#404040'\nset tics nomirror out\n";
-    script += fmt::format("set xlabel '{} [{}]     ({})'\nset ylabel '{} [{}]'\n", right_axis, length.name, scale,
-                          up_axis, length.name);
-  } else {
-    script += "unset border\nunset xtics\nunset ytics\n";
-    draw_axes_and_scale(view, size[0], {left + 55.0, notes + 50.0}, overlay);
-    overlay.label(scale, {width - 30.0, notes + 40.0}, "right front font ',14'");
-  }
-  script += overlay.script();
+  script += axes(view, size, frame, overlay) + overlay.script() + (zone ? "set multiplot\n" : "");
   script += fmt::format(
       "plot '{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
       "  '+' using 1:(NaN):1 with points palette\n",
       name, size[0], size[1], x + step / 2, y + step / 2, step, step);
-  return script;
+  return zone ? script + zone_script(name, *zone, frame) + "unset multiplot\n" : script;
+}
+
+/// Mean displacement of the points that are pressed, m.
+Vec3 displacement_of_zone(const Results& results, int pair) {
+  Vec3 sum = Vec3::Zero();
+  double area = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    const BodyFields& body = results.bodies[row.body];
+    if (row.pair != pair || !(row.pressure_sprc > zone_end * results.pairs[pair].max_pressure) || !body.displacement)
+      continue;
+    const CutCells& cells = *body.cut_cells;
+    sum +=
+        row.weight * body.displacement(row.cell, clamped_cell_coordinates(cells, row.cell, cells.grid.to_grid(row.x)));
+    area += row.weight;
+  }
+  return area > 0 ? Vec3(sum / area) : sum;
+}
+
+/// Looks at the zone where the true displacements take it: those of the scene's picture are many times the zone. None:
+/// it would show nearly all of the scene.
+std::optional<ZonePicture> picture_of_zone(const Results& results, const View& scene, const std::array<int, 2>& size,
+                                           const ZoneLook& zone) {
+  const Vec3 moved = displacement_of_zone(results, zone.pair);
+  if (!moved.allFinite()) return std::nullopt;
+  Panel panel;
+  panel.side = std::clamp(size[1], min_zone_side, max_zone_side);
+  panel.camera = zone.view.camera;
+  std::vector<Vec3> corners = corners_around(zone.box);
+  for (Vec3& corner : corners) corner += moved;
+  panel.fit(corners);
+  const double shown = panel.side / panel.camera.pixels_per_metre;
+  if (shown > nearly_all_of_scene * std::max(size[0], size[1]) / scene.camera.pixels_per_metre) return std::nullopt;
+  ZonePicture picture{scene, panel.side, ""};
+  picture.view.camera = panel.camera;
+  picture.view.exaggeration = 1;
+  picture.heading =
+      "zone of " + drawable_text(shortened_name(results.pairs[zone.pair].name, longest_entry)) + ", to scale";
+  return picture;
 }
 
 /// Finds how far the point of a drawn body that is nearest to x has been shifted beside its displacements, m.
@@ -301,8 +407,9 @@ double picture_exaggeration(const Results& results, const SceneBox& box) {
   return choose_exaggeration(largest_displacement(results), box);
 }
 
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, GnuplotRuns& runs) {
-  if (scene.shown.empty()) return;
+bool write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, ZoneLook* zone,
+                   GnuplotRuns& runs) {
+  if (scene.shown.empty()) return false;
   View view;
   view.box = scene.box;
   view.camera = scene.camera;
@@ -316,12 +423,19 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   PaperBox box;
   box.add(drawn, view);
   const std::array<int, 2> size = fit_camera(box, view);
-  if (size[0] < 1 || size[1] < 1) return;
+  if (size[0] < 1 || size[1] < 1) return false;
   write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
+  const std::optional<ZonePicture> near = zone ? picture_of_zone(results, view, size, *zone) : std::nullopt;
+  if (near) {
+    draw_fits_closed(results, near->view.exaggeration, zone->view.shown);
+    write_text(runs.directory() + "/plots/scene_zone.rgb",
+               draw_bodies(zone->view.shown, near->view, {near->side, near->side}));
+  }
   runs.start("scene",
              picture_script("scene", results, view, size,
-                            drawn_position_of_largest(results, bodies, drawn, displacements, scene.opened, view)),
+                            drawn_position_of_largest(results, bodies, drawn, displacements, scene.opened, view), near),
              {"scene.png"});
+  return near.has_value();
 }
 
 std::vector<std::string> write_step_pictures(const std::vector<StepLook>& steps, const SceneView& scene,
@@ -351,7 +465,7 @@ std::vector<std::string> write_step_pictures(const std::vector<StepLook>& steps,
   std::string script;
   for (const StepLook& step : steps) {
     write_text(runs.directory() + "/plots/" + step.name + ".rgb", draw_bodies(drawn_in(step), view, size));
-    script += "reset\n" + picture_script(step.name, step.words, view, size, std::nullopt);
+    script += "reset\n" + picture_script(step.name, step.words, view, size, std::nullopt, std::nullopt);
     pictures.push_back(step.name + ".png");
   }
   runs.start("step_pictures", script, pictures);

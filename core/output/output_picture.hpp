@@ -1,4 +1,5 @@
-/// scene.png: the deformed bodies coloured by the von Mises stress of the recovered field; the same of every step.
+/// scene.png: the deformed bodies coloured by the von Mises stress of the recovered field, and a contact zone from
+/// nearby; the bodies of every step.
 #pragma once
 
 #include <functional>
@@ -15,9 +16,11 @@ namespace cgcontact {
 /// Returns the factor by which the pictures multiply displacements, so that they are seen; 1: to scale.
 double picture_exaggeration(const Results& results, const SceneBox& box);
 
-/// `scene`: look_at_scene of the bodies; the displacements of what it shows become those of the picture, with fits
-/// drawn closed. Needs the folder plots of the result directory.
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, GnuplotRuns& runs);
+/// `scene`: look_at_scene of the bodies; `zone`: look_at_main_zone, nullptr if there is none. The displacements of what
+/// they show become those of the picture, with fits drawn closed. Returns whether the zone is drawn beside the scene.
+/// Needs the folder plots of the result directory.
+bool write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, ZoneLook* zone,
+                   GnuplotRuns& runs);
 
 struct StepLook {
   std::size_t number = 0;  ///< of the step, from 0

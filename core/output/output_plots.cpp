@@ -6,9 +6,13 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "core/base/text.hpp"
+#include "core/drawing/curve_ends.hpp"
+#include "core/drawing/scene_view.hpp"
 #include "core/output/output_accuracy.hpp"
 #include "core/output/output_gnuplot.hpp"
 #include "core/output/output_pressure_map.hpp"
@@ -18,6 +22,8 @@
 namespace cgcontact {
 
 namespace {
+
+constexpr std::size_t max_curves = 2;  ///< bodies of a path that are drawn
 
 /// Samples of a pair's path by body, each sorted along the path.
 std::vector<std::vector<PathSample>> samples_by_body(const Results& results, int pair) {
@@ -49,11 +55,62 @@ std::pair<double, double> pressure_range(const std::vector<std::vector<PathSampl
 
 struct PressureAxes {
   DisplayUnit length, stress;
-  double low, high;  ///< Pa
+  double low, high;    ///< Pa
+  double first, last;  ///< m, along the path
 };
 
-/// One block per body: s, raw, SPR, SPR-C, reference.
-std::string pressure_data(const std::vector<std::vector<PathSample>>& bodies, const PressureAxes& axes) {
+/// End of a body's curve at a plane of symmetry.
+struct PathEnd {
+  std::size_t curve;
+  CurveEnd at;
+};
+
+/// Planes of symmetry that the zone of a path's pair reaches; of a path of the scene those of all pairs.
+std::vector<SymmetryPlane> planes_of_path(const Results& results, int pair) {
+  if (results.path_from_largest) return results.pairs[static_cast<std::size_t>(pair)].zone.planes;
+  std::vector<SymmetryPlane> planes;
+  for (const PairFigures& figures : results.pairs)
+    planes.insert(planes.end(), figures.zone.planes.begin(), figures.zone.planes.end());
+  return planes;
+}
+
+/// Finds the ends at which planes of symmetry cut the zone; where nothing is pressed, they cut nothing off.
+std::vector<PathEnd> ends_at_planes(const std::vector<std::vector<PathSample>>& bodies,
+                                    const std::vector<SymmetryPlane>& planes) {
+  std::vector<PathEnd> ends;
+  for (std::size_t b = 0; b < std::min(bodies.size(), max_curves); ++b) {
+    const std::vector<PathSample>& samples = bodies[b];
+    double largest = 0;
+    for (const PathSample& p : samples) largest = std::max(largest, p.pressure_sprc);
+    for (const bool last : {false, true}) {
+      const PathSample& tip = last ? samples.back() : samples.front();
+      const PathSample& inner = samples.size() < 2 ? tip : last ? samples[samples.size() - 2] : samples[1];
+      if (!(tip.pressure_sprc > zone_end * largest)) continue;
+      if (const auto end = end_at_plane({tip.s, tip.x, tip.x - inner.x, tip.s - inner.s}, planes))
+        ends.push_back({b, *end});
+    }
+  }
+  return ends;
+}
+
+/// Range of the path, mirror images included.
+void set_range(const std::vector<std::vector<PathSample>>& bodies, const std::vector<PathEnd>& ends,
+               PressureAxes& axes) {
+  axes.first = axes.last = bodies.front().front().s;
+  const auto add = [&](double s) {
+    axes.first = std::min(axes.first, s);
+    axes.last = std::max(axes.last, s);
+  };
+  for (const auto& samples : bodies)
+    for (const PathSample& p : samples) add(p.s);
+  for (const PathEnd& end : ends)
+    if (end.at.across)
+      for (const PathSample& p : bodies[end.curve]) add(end.at.mirrored(p.s));
+}
+
+/// One block per body: s, raw, SPR, SPR-C, reference; then one per end at a plane: s, SPR-C of the mirror image.
+std::string pressure_data(const std::vector<std::vector<PathSample>>& bodies, const std::vector<PathEnd>& ends,
+                          const PressureAxes& axes) {
   std::string data;
   for (const auto& samples : bodies) {
     for (const PathSample& p : samples)
@@ -63,7 +120,32 @@ std::string pressure_data(const std::vector<std::vector<PathSample>>& bodies, co
                      p.has_reference ? fmt::format("{}", p.pressure_reference * axes.stress.factor) : "NaN");
     data += "\n\n";
   }
+  for (const PathEnd& end : ends) {
+    std::vector<CurvePoint> curve;
+    for (const PathSample& p : bodies[end.curve]) curve.push_back({p.s, p.pressure_sprc});
+    for (const auto& [s, pressure] : mirror_image(std::move(curve), end.at))
+      fmt::format_to(std::back_inserter(data), "{} {}\n", s * axes.length.factor, pressure * axes.stress.factor);
+    data += "\n\n";
+  }
   return data;
+}
+
+/// Mirror images as lighter lines, and lines at the planes; ends at planes that are not across say so.
+std::string mirrored_curves(const std::vector<PathEnd>& ends, std::size_t num_curves, double largest,
+                            const std::string& data) {
+  std::string text;
+  std::set<std::string> named;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const CurveEnd& end = ends[k].at;
+    const std::string name = (end.across ? "mirrored at " : "ends at symmetry, ") + name_of(end.plane, largest);
+    const std::string title = named.insert(name).second ? "title " + gnuplot_text(name) : "notitle";
+    if (end.across)
+      text += fmt::format("  '{}' index {} using 1:2 with lines lc rgb '{}' lw {} dt {} {}, \\\n", data, num_curves + k,
+                          mirrored_colour, ends[k].curve == 0 ? 2.4 : 1.9, ends[k].curve == 0 ? "1" : "(6,4)", title);
+    else
+      text += fmt::format("  NaN with lines lc rgb '{}' lw 1.4 dt {} {}, \\\n", plane_colour, plane_dashes, title);
+  }
+  return text;
 }
 
 /// First body as full lines, the second one dashed, with one line of legend for each kind of pressure.
@@ -78,7 +160,7 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
   curves.push_back({4, name_of_pressure(results.pairs[bodies.front().front().pair].pressure_on_face), "#d2501e", 2.4});
   std::string text;
   for (const Curve& curve : curves)
-    for (std::size_t b = 0; b < std::min<std::size_t>(bodies.size(), 2); ++b)
+    for (std::size_t b = 0; b < std::min(bodies.size(), max_curves); ++b)
       text += fmt::format("  '{}' index {} using 1:{} with lines lc rgb '{}' lw {} dt {} {}, \\\n", data, b,
                           curve.column, curve.colour, b == 0 ? curve.width : 0.8 * curve.width, b == 0 ? "1" : "(6,4)",
                           b == 0 ? fmt::format("title '{}'", curve.name) : "notitle");
@@ -95,17 +177,15 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
 void write_pressure_plot(const Results& results, const Scene& scene, int pair, GnuplotRuns& runs) {
   const auto bodies = samples_by_body(results, pair);
   if (bodies.empty()) return;
-  double first = bodies.front().front().s, last = first;
-  for (const auto& samples : bodies)
-    for (const PathSample& p : samples) {
-      first = std::min(first, p.s);
-      last = std::max(last, p.s);
-    }
+  const std::vector<PathEnd> ends = ends_at_planes(bodies, planes_of_path(results, pair));
   const std::string picture = path_picture(static_cast<std::size_t>(pair));
   const std::string name = picture.substr(0, picture.size() - 4);  // without .svg
   const auto [low, high] = pressure_range(bodies);
-  const PressureAxes axes{length_unit(std::max(-first, last)), stress_unit(std::max(-low, high) / 1.12), low, high};
-  write_text(runs.directory() + "/plots/" + name + ".dat", pressure_data(bodies, axes));
+  PressureAxes axes{{}, stress_unit(std::max(-low, high) / 1.12), low, high, 0, 0};
+  set_range(bodies, ends, axes);
+  const double largest_s = std::max(-axes.first, axes.last);
+  axes.length = length_unit(largest_s);
+  write_text(runs.directory() + "/plots/" + name + ".dat", pressure_data(bodies, ends, axes));
 
   const bool by_reference = !scene.reference.pressure_file.empty();
   const std::string of_pair = results.pairs.size() > 1 && results.path_from_largest
@@ -128,9 +208,13 @@ void write_pressure_plot(const Results& results, const Scene& scene, int pair, G
                         by_reference ? name_of(scene.reference.coordinate) : along, axes.length.name, axes.stress.name);
   script += fmt::format("set yrange [{}:{}]\nset xzeroaxis lc rgb '#808080' lw 1 dt 1\n", low * axes.stress.factor,
                         high * axes.stress.factor);
-  if (last > first)
-    script += fmt::format("set xrange [{}:{}]\n", first * axes.length.factor, last * axes.length.factor);
-  script += "plot \\\n" + pressure_curves(results, bodies, name + ".dat") + "  NaN notitle\n";
+  if (axes.last > axes.first)
+    script += fmt::format("set xrange [{}:{}]\n", axes.first * axes.length.factor, axes.last * axes.length.factor);
+  for (const PathEnd& end : ends)
+    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc rgb '{1}' lw 1 dt {2}\n",
+                          end.at.s * axes.length.factor, plane_colour, plane_dashes);
+  script += "plot \\\n" + pressure_curves(results, bodies, name + ".dat") +
+            mirrored_curves(ends, bodies.size(), largest_s, name + ".dat") + "  NaN notitle\n";
   runs.start(name, script, {picture});
 }
 

@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "core/base/text.hpp"
 #include "core/drawing/clip_cells.hpp"
+#include "core/drawing/curve_ends.hpp"
 #include "core/drawing/face_chart.hpp"
 #include "core/drawing/render.hpp"
+#include "core/drawing/scene_view.hpp"
 #include "core/output/output_plots.hpp"
 
 namespace cgcontact {
@@ -32,8 +36,6 @@ constexpr double no_pressure = 0.005;
 constexpr double zone_margin = 0.25, zone_margin_cells = 2;
 /// A zone that takes so much of the face in both directions is no reason to leave out the rest.
 constexpr double nearly_all = 0.6;
-/// The contact zone ends here; the contact area of the report is measured so too.
-constexpr double zone_end = 0.01;
 
 std::array<double, 3> pressure_colour(double value) {
   return value > no_pressure ? palette_colour(value) : std::array<double, 3>{0.9, 0.9, 0.9};
@@ -318,55 +320,200 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   return script + "\n";
 }
 
+/// How a face is drawn: a map, or a curve along an axis of the chart.
+struct Layout {
+  FaceChart chart;
+  Paper paper;                   ///< that is shown
+  std::optional<int> axis;       ///< of the curve (0: right, 1: up); none: a map
+  bool section = false;          ///< nothing varies across the curve
+  std::optional<SceneBox> part;  ///< of space that the curve is drawn of; none: all
+  bool all = true;               ///< the whole face is shown
+  std::array<Vec3, 2> tips{};    ///< m, where the face begins and ends along the curve
+  bool holds(const Vec3& x) const {
+    return !part || ((x - part->low).minCoeff() >= 0 && (part->high - x).minCoeff() >= 0);
+  }
+};
+
+/// Points of the face that are the first and the last along an axis of the chart.
+std::array<Vec3, 2> tips_of(const FaceTriangles& shape, const FaceChart& chart, int axis) {
+  std::array<Vec3, 2> tips{Vec3::Zero(), Vec3::Zero()};
+  double low = std::numeric_limits<double>::max(), high = -low;
+  for (const auto& t : shape.triangles)
+    for (int p : t) {
+      const Vec3& x = (*shape.position)[p];
+      const double s = chart.position(x, centroid(shape, t))[axis];
+      if (s < low) tips[0] = x;
+      if (s > high) tips[1] = x;
+      low = std::min(low, s);
+      high = std::max(high, s);
+    }
+  return tips;
+}
+
+/// The face of a section (plane strain, revolution) around the zone. across: nothing varies along it.
+Layout layout_of_section(const FaceTriangles& face, const FaceTriangles& zone, const Vec3& across, double cell_size) {
+  SceneBox box;
+  for (const auto& t : zone.triangles)
+    for (int p : t) box.add((*zone.position)[p]);
+  const Vec3 along = box.extent() - across.cwiseAbs().cwiseProduct(box.extent());
+  const double margin = std::max(zone_margin * along.norm(), zone_margin_cells * cell_size);
+  box.low.array() -= margin;
+  box.high.array() += margin;
+  FaceTriangles part{face.position, {}};
+  for (const auto& t : face.triangles) {
+    SceneBox triangle;
+    for (int p : t) triangle.add((*face.position)[p]);
+    if ((triangle.high - box.low).minCoeff() >= 0 && (box.high - triangle.low).minCoeff() >= 0)
+      part.triangles.push_back(t);
+  }
+  const FaceChart chart(part);
+  Layout layout{chart, bounds(part, chart), chart.axis_across(across), true, box, true, {}};
+  layout.paper.low[1 - *layout.axis] = layout.paper.high[1 - *layout.axis] = 0;
+  layout.all = part.triangles.size() == face.triangles.size();
+  layout.tips = tips_of(part, chart, *layout.axis);
+  return layout;
+}
+
+/// A curve of means where the face is much longer than wide, else a map.
+Layout layout_of_face(const FaceTriangles& face, const FaceTriangles& zone, double cell_size) {
+  const FaceChart chart(face);
+  const Paper whole = bounds(face, chart);
+  const bool curve = std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
+  Layout layout{curve ? chart : FaceChart(zone), whole, std::nullopt, false, std::nullopt, true, {}};
+  const Paper all = bounds(face, layout.chart);
+  layout.paper = zoomed(bounds(zone, layout.chart), all, cell_size);
+  layout.all = layout.paper.largest() >= 0.99 * all.largest();
+  if (!curve) return layout;
+  layout.axis = layout.paper.extent(0) >= layout.paper.extent(1) ? 0 : 1;
+  layout.tips = tips_of(face, chart, *layout.axis);
+  return layout;
+}
+
 /// Sums over the rows in a bin of a curve.
 struct Bin {
   double coordinate = 0, pressure = 0, closed = 0, weight = 0;
   bool is_closed() const { return 2 * closed > weight; }
 };
 
-/// Means over the thin direction: coordinate, SPR-C; one block per body.
-std::string curve_data(const Results& results, const Face& face, const FaceChart& chart, const Paper& paper, int axis,
-                       const DisplayUnit& length, const DisplayUnit& stress, std::vector<int>& bodies,
-                       std::vector<double>& borders) {
-  std::string data;
+/// Means across a curve of one body, m and Pa.
+struct MeanCurve {
+  int body;
+  std::vector<CurvePoint> points;
+  std::vector<double> borders;  ///< of closed points, m
+};
+
+/// m, of the bins of a body's curve: small ones where rows beside each other have one pressure.
+double bin_width(const Results& results, int body, const Layout& layout) {
+  const double least = layout.paper.extent(*layout.axis) / max_bins;
+  return layout.section ? least : std::max(bin_in_cells * smallest_cell(results, body), least);
+}
+
+std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, const Layout& layout) {
+  const int axis = *layout.axis;
+  std::vector<MeanCurve> curves;
   for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
-    const double width = std::max(bin_in_cells * smallest_cell(results, b), paper.extent(axis) / max_bins);
+    const double width = bin_width(results, b, layout);
     std::map<long long, Bin> bins;
     for (const ContactRow& row : results.contact_rows) {
-      if (row.body != b || row.pair != static_cast<int>(face.pair)) continue;
-      const double s = chart.position(row.x)[axis];
+      if (row.body != b || row.pair != static_cast<int>(face.pair) || !layout.holds(row.x)) continue;
+      if (!std::isfinite(row.distance)) continue;  // beyond the end of the other face
+      const double s = layout.chart.position(row.x)[axis];
       Bin& bin = bins[std::llround(s / width)];
       bin.coordinate += row.weight * s;
       bin.pressure += row.weight * row.pressure_sprc;
       bin.closed += row.active ? row.weight : 0;
       bin.weight += row.weight;
     }
+    MeanCurve curve{b, {}, {}};
     const Bin* previous = nullptr;
     for (const auto& [number, bin] : bins) {
       if (!(bin.weight > 0)) continue;
-      fmt::format_to(std::back_inserter(data), "{} {}\n", bin.coordinate / bin.weight * length.factor,
-                     bin.pressure / bin.weight * stress.factor);
-      if (b == face.body && previous && previous->is_closed() != bin.is_closed())
-        borders.push_back((previous->coordinate / previous->weight + bin.coordinate / bin.weight) / 2 * length.factor);
+      curve.points.push_back({bin.coordinate / bin.weight, bin.pressure / bin.weight});
+      if (previous && previous->is_closed() != bin.is_closed())
+        curve.borders.push_back((previous->coordinate / previous->weight + bin.coordinate / bin.weight) / 2);
       previous = &bin;
     }
-    if (!previous) continue;
-    bodies.push_back(b);
-    data += "\n\n";
+    if (previous) curves.push_back(std::move(curve));
   }
+  return curves;
+}
+
+/// Finds the ends of the face at which planes of symmetry cut the zone: behind them one more bin would lie.
+std::vector<CurveEnd> ends_of_face(const Results& results, const Face& face, const Layout& layout,
+                                   const std::vector<MeanCurve>& curves) {
+  std::vector<CurveEnd> ends;
+  const auto curve =
+      std::find_if(curves.begin(), curves.end(), [&](const MeanCurve& c) { return c.body == face.body; });
+  if (curve == curves.end()) return ends;
+  const double step = bin_width(results, face.body, layout), largest = highest(results.pairs[face.pair]);
+  for (const int tip : {0, 1}) {
+    const double pressure = (tip == 0 ? curve->points.front() : curve->points.back())[1];
+    const Vec3& x = layout.tips[tip];
+    const double forward = tip == 0 ? -step : step;
+    const CurveTip at{layout.chart.position(x)[*layout.axis], x, forward * layout.chart.direction(*layout.axis, x),
+                      forward};
+    if (!(pressure > zone_end * largest)) continue;
+    if (const auto end = end_at_plane(at, results.pairs[face.pair].zone.planes)) ends.push_back(*end);
+  }
+  return ends;
+}
+
+/// Range of a curve's axis, mirror images included.
+std::array<double, 2> range_of(const Paper& paper, int axis, const std::vector<CurveEnd>& ends) {
+  std::array<double, 2> range{paper.low[axis], paper.high[axis]};
+  for (const CurveEnd& end : ends)
+    for (const double s : {paper.low[axis], paper.high[axis]})
+      if (end.across) range = {std::min(range[0], end.mirrored(s)), std::max(range[1], end.mirrored(s))};
+  return range;
+}
+
+/// Coordinate and pressure, one block per body; then their mirror images, end by end.
+std::string curve_data(const std::vector<MeanCurve>& curves, const std::vector<CurveEnd>& ends,
+                       const DisplayUnit& length, const DisplayUnit& stress) {
+  std::string data;
+  const auto add = [&](const std::vector<CurvePoint>& points) {
+    for (const auto& [s, pressure] : points)
+      fmt::format_to(std::back_inserter(data), "{} {}\n", s * length.factor, pressure * stress.factor);
+    data += "\n\n";
+  };
+  for (const MeanCurve& curve : curves) add(curve.points);
+  for (const CurveEnd& end : ends)
+    for (const MeanCurve& curve : curves) add(mirror_image(curve.points, end));
   return data;
 }
 
-/// Curve along a face that is much longer than wide.
-std::string curve_script(const Results& results, const Face& face, const FaceChart& chart, const Paper& paper,
-                         const std::string& name, const std::string& folder) {
-  const int axis = paper.extent(0) >= paper.extent(1) ? 0 : 1;
+/// Arguments of gnuplot's command plot.
+std::string curve_plots(const Results& results, const std::vector<MeanCurve>& curves, const std::vector<CurveEnd>& ends,
+                        double largest_length, const std::string& name) {
+  std::string script;
+  for (std::size_t k = 0; k < curves.size(); ++k)
+    script += fmt::format("{}'{}.dat' index {} with lines lc rgb '#d2501e' lw {} dt {} title {}", k ? ", \\\n  " : "",
+                          name, k, k ? 1.6 : 2.4, k ? "(6,4)" : "1",
+                          gnuplot_text(shortened_name(results.bodies[curves[k].body].name, longest_entry)));
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    const std::string plane = name_of(ends[e].plane, largest_length);
+    for (std::size_t k = 0; k < curves.size() && ends[e].across; ++k)
+      script += fmt::format(", \\\n  '{}.dat' index {} with lines lc rgb '{}' lw {} dt {} {}", name,
+                            (e + 1) * curves.size() + k, mirrored_colour, k ? 1.6 : 2.4, k ? "(6,4)" : "1",
+                            k ? "notitle" : "title " + gnuplot_text("mirrored at " + plane));
+    if (!ends[e].across)
+      script += fmt::format(", \\\n  NaN with lines lc rgb '{}' dt {} title {}", plane_colour, plane_dashes,
+                            gnuplot_text("ends at symmetry, " + plane));
+  }
+  return script;
+}
+
+/// Curve along a face of which nothing or only a mean is shown across.
+std::string curve_script(const Results& results, const Face& face, const Layout& layout, const std::string& name,
+                         const std::string& folder) {
+  const int axis = *layout.axis;
+  const FaceChart& chart = layout.chart;
   const Range range = range_of(results, face.pair);
-  const DisplayUnit length = unit_of(paper), stress = stress_unit(std::max(-range.low, range.high));
-  std::vector<int> bodies;
-  std::vector<double> borders;
-  write_text(folder + "/" + name + ".dat",
-             curve_data(results, face, chart, paper, axis, length, stress, bodies, borders));
+  const std::vector<MeanCurve> curves = mean_curves(results, face, layout);
+  const std::vector<CurveEnd> ends = ends_of_face(results, face, layout, curves);
+  const std::array<double, 2> shown = range_of(layout.paper, axis, ends);
+  const DisplayUnit length = unit_of(layout.paper), stress = stress_unit(std::max(-range.low, range.high));
+  write_text(folder + "/" + name + ".dat", curve_data(curves, ends, length, stress));
   std::string script = "set terminal pngcairo size 900,520 noenhanced font 'sans-serif,14' background 'white'\n";
   script += fmt::format("set output '../{}.png'\nset title {}\nset grid lc rgb '#e4e4e4' lw 1 dt 1\n", name,
                         title_of(results, face, 800).text);
@@ -377,19 +524,35 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   script +=
       fmt::format("set xlabel '{} [{}]'\nset ylabel '{} [{}]'\n", axis == 0 ? chart.right_name() : chart.up_name(),
                   length.name, quantity(results, face.pair), stress.name);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", paper.low[axis] * length.factor,
-                        paper.high[axis] * length.factor, 1.08 * range.low * stress.factor,
-                        1.08 * range.high * stress.factor);
-  for (double s : borders)
-    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc rgb '#606060' dt (6,4)\n", s);
-  script += "plot ";
-  for (std::size_t k = 0; k < bodies.size(); ++k)
-    script += fmt::format("{}'{}.dat' index {} with lines lc rgb '#d2501e' lw {} dt {} title {}", k ? ", \\\n  " : "",
-                          name, k, k ? 1.6 : 2.4, k ? "(6,4)" : "1",
-                          gnuplot_text(shortened_name(results.bodies[bodies[k]].name, longest_entry)));
-  if (!borders.empty())
-    script += ", \\\n  NaN with lines lc rgb '#606060' dt (6,4) title 'border of the closed points'";
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", shown[0] * length.factor, shown[1] * length.factor,
+                        1.08 * range.low * stress.factor, 1.08 * range.high * stress.factor);
+  const auto line = [&](double s, const char* style) {
+    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc rgb {1}\n", s * length.factor, style);
+  };
+  bool has_borders = false;
+  for (const MeanCurve& curve : curves)
+    for (const double s : curve.borders)
+      if (curve.body == face.body) {
+        line(s, "'#606060' dt (6,4)");
+        has_borders = true;
+      }
+  for (const CurveEnd& end : ends) line(end.s, fmt::format("'{}' dt {}", plane_colour, plane_dashes).c_str());
+  script += "plot " + curve_plots(results, curves, ends, layout.paper.largest(), name);
+  if (has_borders) script += ", \\\n  NaN with lines lc rgb '#606060' dt (6,4) title 'border of the closed points'";
   return script + "\nunset arrow\nunset grid\n";
+}
+
+std::string caption_of(const Results& results, const Face& face, const Layout& layout) {
+  const std::string& body = results.bodies[face.body].name;
+  std::string caption =
+      layout.section ? "Pressure along the contact face, across which nothing varies"
+      : layout.axis  ? "Pressure along the contact face, mean over its narrow side"
+      : results.pairs[face.pair].bonded
+          ? fmt::format("Normal traction on the bonded face of {} with its cells, pressure positive", body)
+          : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)", body);
+  if (layout.chart.unrolled()) caption += "; the cylindrical face is unrolled";
+  if (!layout.all) caption += "; only the surroundings of the contact zone are shown";
+  return caption + ".";
 }
 
 }  // namespace
@@ -415,28 +578,20 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
     const Face face = face_of_pair(results, surface, pair);
     if (face.body < 0 || !results.bodies[face.body].stress_recovered) continue;
     const double cell_size = smallest_cell(results, face.body);
-    const bool bonded = results.pairs[pair].bonded;
-    const FaceTriangles zone = bonded ? face.shape : zone_of(surface, face, highest(results.pairs[pair]));
-    const FaceChart chart(face.shape), zone_chart(zone);
-    const Paper whole = bounds(face.shape, chart);
+    const FaceTriangles zone =
+        results.pairs[pair].bonded ? face.shape : zone_of(surface, face, highest(results.pairs[pair]));
+    const Paper whole = bounds(face.shape, FaceChart(face.shape));
     if (!(whole.largest() > 0) || !std::isfinite(whole.largest())) continue;
+    const Grid& grid = results.bodies[face.body].cut_cells->grid;
+    const Layout layout = grid.plane_strain >= 0
+                              ? layout_of_section(face.shape, zone, grid.rotation.col(grid.plane_strain), cell_size)
+                              : layout_of_face(face.shape, zone, cell_size);
     const std::string name = pair == 0 ? "pressure_map" : fmt::format("pressure_map_{}", pair + 1);
-    const bool curve = std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
     const std::string folder = runs.directory() + "/plots";
-    const FaceChart& used = curve ? chart : zone_chart;
-    const Paper all = bounds(face.shape, used), paper = zoomed(bounds(zone, used), all, cell_size);
-    script += curve ? curve_script(results, face, used, paper, name, folder)
-                    : map_script(results, surface, face, used, paper, name, folder);
+    script += layout.axis ? curve_script(results, face, layout, name, folder)
+                          : map_script(results, surface, face, layout.chart, layout.paper, name, folder);
     files.push_back(name + ".png");
-    std::string caption =
-        curve    ? "Pressure along the contact face, mean over its narrow side"
-        : bonded ? fmt::format("Normal traction on the bonded face of {} with its cells, pressure positive",
-                               results.bodies[face.body].name)
-                 : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)",
-                               results.bodies[face.body].name);
-    if (used.unrolled()) caption += "; the cylindrical face is unrolled";
-    if (paper.largest() < 0.99 * all.largest()) caption += "; only the surroundings of the contact zone are shown";
-    maps.push_back({pair, files.back(), caption + "."});
+    maps.push_back({pair, files.back(), caption_of(results, face, layout)});
   }
   if (!maps.empty()) runs.start("pressure_map", script, files);
   return maps;

@@ -20,8 +20,9 @@ std::vector<std::size_t> pairs_to_draw(const Results& results);
 
 /// Starts drawing the recovered pressure on the face of the body with the smaller cells, with the edge of the contact
 /// zone (1 % of the largest pressure). Nearly flat faces are seen along a coordinate axis, cylindrical ones are
-/// unrolled, others seen along their mean normal; faces much longer than wide (plane strain) become curves. Of many
-/// pairs those with the largest forces are drawn.
+/// unrolled, others seen along their mean normal. Faces across which nothing varies (plane strain, revolution) or that
+/// are much longer than wide become curves, mirrored where a plane of symmetry cuts the zone. Of many pairs those with
+/// the largest forces are drawn.
 std::vector<PressureMap> write_pressure_maps(const Results& results, const ContactSurface& surface, GnuplotRuns& runs);
 
 }  // namespace cgcontact

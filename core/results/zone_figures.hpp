@@ -3,8 +3,10 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "core/base/types.hpp"
+#include "core/geometry/symmetry_plane.hpp"
 
 namespace cgcontact {
 
@@ -42,6 +44,8 @@ struct ZoneFigures {
   double normal_force = 0;   ///< N, integral of the transmitted pressure: magnitudes, not their resultant
   double mean_pressure = 0;  ///< Pa, that over the area
   int sectors = 1;           ///< equal ones that planes of symmetry divide the whole zone into; one of them is modelled
+  /// Planes of symmetry that the zone reaches; for bodies of revolution also one at the axis.
+  std::vector<SymmetryPlane> planes;
   std::optional<MomentAbout> moment;
   std::optional<ZoneExtent> extent;   ///< none: the zone goes round a corner or about an axis
   std::optional<HertzFigures> hertz;  ///< none: the faces there are no quadrics, or his theory does not hold

@@ -121,6 +121,45 @@ TEST(scene_view, a_zone_is_seen_from_a_side_that_it_reaches_or_cut_open) {
   EXPECT_NEAR(enclosed_volume(inside.shown[0]), 8 - 1.5 * 0.9 * 2, 1e-12);
 }
 
+// Two pairs: that with the larger force is looked at, in the middle of its pressed rows, with as much again around it.
+TEST(scene_view, the_zone_of_the_largest_force_is_shown_from_nearby) {
+  const DrawnBox box(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5, 5});
+  const std::vector<DrawnBody> bodies{box.body};
+  Results results;
+  results.bodies.resize(1);
+  results.pairs.resize(2);
+  for (int pair : {0, 1}) {
+    results.pairs[pair].force_on_first = Vec3(0, 0, 1 + pair);
+    results.pairs[pair].max_pressure = 1e6;
+    for (const double x : {1.0, 1.2, 1.5}) {
+      ContactRow row;
+      row.pair = pair;
+      row.x = Vec3(x, 1.4 + 0.1 * pair, 2.5);
+      row.normal = Vec3::UnitZ();
+      row.weight = 1;
+      row.pressure_sprc = x > 1.4 ? 0.009e6 : 1e6;  // below a hundredth of the largest: no part of the zone
+      results.contact_rows.push_back(row);
+    }
+  }
+  SceneView scene;
+  scene.box.low = Vec3::Constant(0.5);
+  scene.box.high = Vec3::Constant(2.5);
+  scene.camera.eye = Vec3(0.55, -0.75, 0.42).normalized();
+  EXPECT_FALSE(look_at_main_zone(results, bodies, scene));  // which shows nothing itself
+  scene.shown = bodies;
+  const auto look = look_at_main_zone(results, bodies, scene);
+  ASSERT_TRUE(look);
+  EXPECT_EQ(look->pair, 1);
+  EXPECT_LT((look->box.low - Vec3(1, 1.5, 2.5)).norm() + (look->box.high - Vec3(1.2, 1.5, 2.5)).norm(), 1e-12);
+  EXPECT_TRUE(look->view.opened);
+  SceneBox shown;
+  for (const Vec3& corner : corners_around(look->box)) shown.add(corner);
+  EXPECT_LT(((shown.low + shown.high) / 2 - Vec3(1.1, 1.5, 2.5)).norm(), 1e-12);
+  EXPECT_NEAR(shown.extent()[0], 2.2 * 0.2, 1e-12);
+  results.pairs[0].max_pressure = results.pairs[1].max_pressure = 0;
+  EXPECT_FALSE(look_at_main_zone(results, bodies, scene));
+}
+
 TEST(cut_open, turned_bodies_and_directions) {
   const Mat3 rotation = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Vec3 shift(2.1, 2.2, 2.3);

@@ -64,6 +64,21 @@ TEST(face_chart, half_a_bore_is_unrolled) {
   const FaceChart chart(bore.face);
   ASSERT_TRUE(chart.unrolled());
   EXPECT_NEAR(std::abs(chart.position(bore.points.front())[0] - chart.position(bore.points.back())[0]), 3 * pi, 1e-9);
+  EXPECT_EQ(chart.axis_across(Vec3::UnitZ()), 0);
+  for (const Vec3& x : {bore.points.front(), bore.points.back()}) {  // there it runs along y, as a small step says too
+    const Vec3 along = chart.direction(0, x);
+    EXPECT_NEAR(std::abs(along[1]), 1, 1e-9);
+    EXPECT_GT(chart.position(x + 1e-3 * along)[0], chart.position(x)[0]);
+  }
+}
+
+TEST(face_chart, the_axis_across_a_direction_is_the_other_one) {
+  const Patch plane([](double s, double t) { return Vec3(s, t, 0); });
+  const FaceChart chart(plane.face);
+  EXPECT_EQ(chart.axis_across(Vec3::UnitX()), 1);
+  EXPECT_EQ(chart.axis_across(Vec3::UnitY()), 0);
+  EXPECT_EQ(chart.direction(0, Vec3::Zero()), Vec3(Vec3::UnitX()));
+  EXPECT_EQ(chart.direction(1, Vec3::Zero()), Vec3(Vec3::UnitY()));
 }
 
 }  // namespace

@@ -131,6 +131,14 @@ class output : public ::testing::Test {
   }
   ~output() override { fs::remove_all(root_); }
   std::string file(const std::string& name) const { return out_ + "/" + name; }
+  /// Scripts and data of the pictures stay in the folder plots.
+  std::vector<std::string> write_without_gnuplot(Blocks& blocks) const {
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", root_.c_str(), 1);
+    const std::vector<std::string> warnings = write_results(blocks.results, blocks.scene, out_);
+    setenv("PATH", path.c_str(), 1);
+    return warnings;
+  }
   /// Names in the parent directory: shows temporary directories left behind.
   std::set<std::string> siblings() const {
     std::set<std::string> names;
@@ -424,15 +432,67 @@ TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
 
 TEST_F(output, without_gnuplot_scripts_and_data_stay_and_a_warning_says_so) {
   const auto blocks = make_blocks();
-  const std::string path = std::getenv("PATH");
-  setenv("PATH", root_.c_str(), 1);
-  const std::vector<std::string> warnings = write_results(blocks->results, blocks->scene, out_);
-  setenv("PATH", path.c_str(), 1);
+  const std::vector<std::string> warnings = write_without_gnuplot(*blocks);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("gnuplot"), std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(read_text(file("report.json")))["warnings"][0], warnings[0]);
   for (const char* name : {"pressure.gp", "pressure.dat", "stress_error.gp", "stress_error.dat", "scene.gp"})
     EXPECT_TRUE(fs::exists(file(std::string("plots/") + name))) << name;
+}
+
+// A curve that ends at a plane of symmetry goes on behind it, from its own last point on; one that ends elsewhere, or
+// where nothing is pressed, does not.
+TEST_F(output, curves_go_on_behind_planes_of_symmetry) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.path.clear();
+  for (int k = 0; k < 10; ++k) {
+    PathSample sample;
+    sample.s = 1e-3 + 1e-4 * k;
+    sample.x = Vec3(1e-3, 1e-4 * (k + 0.5), 2e-3);
+    sample.pressure_sprc = 2e6 - 1e5 * k;
+    results.path.push_back(sample);
+  }
+  results.path_from_largest = true;
+  const SymmetryPlane plane{Vec3::Zero(), -Vec3::UnitY()};
+  results.pairs[0].zone.planes = {{Vec3::Zero(), -Vec3::UnitX()}, plane};
+  write_without_gnuplot(*blocks);
+  EXPECT_NE(read_text(file("plots/pressure.gp")).find("title 'mirrored at y = 0'"), std::string::npos);
+  const std::string data = read_text(file("plots/pressure.dat"));
+  std::istringstream image(data.substr(data.find("\n\n\n")));  // behind the only curve; in mm and MPa
+  double s = 0, pressure = 0;
+  for (int k = -1; k < 10; ++k) {
+    ASSERT_TRUE(image >> s >> pressure);
+    EXPECT_NEAR(s, k < 0 ? 1 : 0.9 - 0.1 * k, 1e-9);
+    EXPECT_NEAR(pressure, 2 - 0.1 * std::max(k, 0), 1e-9);
+  }
+  EXPECT_FALSE(image >> s);
+  results.path.front().pressure_sprc = 0;
+  write_without_gnuplot(*blocks);
+  EXPECT_EQ(read_text(file("plots/pressure.gp")).find("mirrored"), std::string::npos);
+}
+
+// A small contact zone is drawn from nearby beside the scene, one that takes most of it or nothing is not.
+TEST_F(output, a_small_contact_zone_is_shown_from_nearby) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.pairs[0].max_pressure = 1e6;
+  for (ContactRow& row : results.contact_rows)
+    row.pressure_sprc = (row.x - Vec3(1.2e-3, 0.9e-3, 2e-3)).norm() < 0.5e-3 ? 1e6 : 0;
+  write_without_gnuplot(*blocks);
+  EXPECT_TRUE(fs::exists(file("plots/scene_zone.rgb")));
+  EXPECT_NE(read_text(file("plots/scene.gp")).find("zone of interface, to scale"), std::string::npos);
+  if (std::system("gnuplot --version > /dev/null 2>&1") == 0) {
+    EXPECT_EQ(write_results(results, blocks->scene, out_), std::vector<std::string>{});
+    EXPECT_NE(read_text(file("report.html")).find("and the contact zone of interface from nearby"), std::string::npos);
+  }
+  for (const double pressure : {1e6, 0.0}) {
+    results.pairs[0].max_pressure = pressure;
+    for (ContactRow& row : results.contact_rows) row.pressure_sprc = pressure;
+    write_without_gnuplot(*blocks);
+    EXPECT_FALSE(fs::exists(file("plots/scene_zone.rgb")));
+    EXPECT_EQ(read_text(file("plots/scene.gp")).find("multiplot"), std::string::npos);
+  }
 }
 
 TEST_F(output, gnuplot_draws_the_pictures) {
