@@ -16,7 +16,7 @@ namespace cgcontact {
 namespace {
 
 /// Sines of angles, and distances relative to the body, up to which surfaces are about the axis.
-constexpr double same_axis = 1e-9;
+constexpr double on_axis_tolerance = 1e-9;
 
 /// Directions of the half-plane: along the axis, away from it, across.
 struct HalfPlane {
@@ -24,15 +24,17 @@ struct HalfPlane {
       : along(Vec3::Unit(axis)), away(Vec3::Unit((axis + 1) % 3)), across(Vec3::Unit((axis + 2) % 3)) {}
   Vec3 along, away, across;
 
-  bool is_on_axis(const Vec3& x, double size) const { return (x - x.dot(along) * along).norm() <= same_axis * size; }
-  bool is_along(const Vec3& direction) const { return direction.cross(along).norm() <= same_axis; }
+  bool is_on_axis(const Vec3& x, double size) const {
+    return (x - x.dot(along) * along).norm() <= on_axis_tolerance * size;
+  }
+  bool is_along(const Vec3& direction) const { return direction.cross(along).norm() <= on_axis_tolerance; }
 };
 
 /// Tells whether a plane along the axis is so far away that it bounds nothing of a body up to a radius (that of its
 /// bounding box).
 bool is_beyond(const Surface& surface, const HalfPlane& plane, double radius) {
-  return std::abs(surface.direction.dot(plane.along)) <= same_axis &&
-         surface.direction.dot(surface.point) >= (1 - same_axis) * radius;
+  return std::abs(surface.direction.dot(plane.along)) <= on_axis_tolerance &&
+         surface.direction.dot(surface.point) >= (1 - on_axis_tolerance) * radius;
 }
 
 /// Tells whether a surface does not vary around the axis.
@@ -54,8 +56,8 @@ bool is_of_revolution(const Surface& surface, const HalfPlane& plane, double siz
 /// Tells whether a surface is one of a prism across the half-plane.
 bool is_of_prism(const Surface& surface, const HalfPlane& plane) {
   const double across = std::abs(surface.direction.dot(plane.across));
-  if (surface.kind == Surface::Kind::plane) return across <= same_axis || across >= 1 - same_axis;
-  return surface.kind == Surface::Kind::cylinder && across >= 1 - same_axis;
+  if (surface.kind == Surface::Kind::plane) return across <= on_axis_tolerance || across >= 1 - on_axis_tolerance;
+  return surface.kind == Surface::Kind::cylinder && across >= 1 - on_axis_tolerance;
 }
 
 /// What a surface of revolution is in the half-plane: circles and lines, as cylinders and planes across it.
@@ -215,7 +217,7 @@ Solid meridian_of(const Solid& solid, int axis) {
     if (!is_of_prism(surface, plane)) straight = &surface;
   }
   if (turned && straight) throw InputError(name_of(*turned) + " is not of revolution about the axis");
-  if (turned && min[away] < -same_axis * size)
+  if (turned && min[away] < -on_axis_tolerance * size)
     throw InputError(
         fmt::format("{} is not of revolution about the axis, and a section given as a prism must lie on "
                     "one side of it (it reaches to {:.6g} m)",

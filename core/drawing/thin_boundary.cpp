@@ -31,13 +31,13 @@ struct Meeting {
   bool is_corner() const { return surfaces[2] >= 0; }
 };
 
-struct Key {
+struct VertexKey {
   std::array<int, 5> numbers;  ///< lattice cube, surfaces
-  bool operator==(const Key& o) const { return numbers == o.numbers; }
+  bool operator==(const VertexKey& o) const { return numbers == o.numbers; }
 };
 
-struct KeyHash {
-  std::size_t operator()(const Key& key) const {
+struct VertexKeyHash {
+  std::size_t operator()(const VertexKey& key) const {
     std::uint64_t hash = 0;
     for (const int n : key.numbers) hash = (hash ^ static_cast<std::uint32_t>(n)) * 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(hash ^ (hash >> 32));
@@ -70,7 +70,7 @@ class Thinning {
  private:
   /// Returns for each point the one that stands for it.
   std::vector<int> points_of(double lattice, const std::vector<SceneBox>& kept) const {
-    std::unordered_map<Key, int, KeyHash> first;
+    std::unordered_map<VertexKey, int, VertexKeyHash> first;
     std::vector<int> point(body_.position.size());
     for (std::size_t p = 0; p < point.size(); ++p) {
       const Vec3& x = body_.position[p];
@@ -79,7 +79,7 @@ class Thinning {
       });
       point[p] = static_cast<int>(p);
       if (!(lattice > 0) || near || meetings_[p].is_corner()) continue;
-      Key key{};
+      VertexKey key{};
       for (int k = 0; k < 3; ++k) key.numbers[k] = static_cast<int>(std::floor(x[k] / lattice));
       key.numbers[3] = meetings_[p].surfaces[0];
       key.numbers[4] = meetings_[p].surfaces[1];

@@ -17,19 +17,19 @@ namespace {
 constexpr double room_across = 1.3, room_above = 1.5;
 
 /// One kind of error over the solves; none: not known, or zero by equilibrium, which a logarithmic axis cannot show.
-struct Curve {
+struct ErrorCurve {
   std::string name;
   const char* colour;
   std::optional<double> target;
   std::vector<std::optional<double>> errors;
 };
 
-bool has_errors(const Curve& curve) {
+bool has_errors(const ErrorCurve& curve) {
   return std::any_of(curve.errors.begin(), curve.errors.end(), [](const auto& error) { return error.has_value(); });
 }
 
-std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
-  Curve pressure{"pressure", "#d2501e", accuracy.pressure, {}}, force{"force", "#2070b8", accuracy.force, {}},
+std::vector<ErrorCurve> curves_of(const AccuracyFigures& accuracy) {
+  ErrorCurve pressure{"pressure", "#d2501e", accuracy.pressure, {}}, force{"force", "#2070b8", accuracy.force, {}},
       shear{"shear", "#505050", accuracy.shear, {}}, stress{"stress", "#6a9a3a", accuracy.stress, {}};
   for (const SolveFigures& solve : accuracy.solves) {
     pressure.errors.push_back(solve.pressure);
@@ -37,25 +37,25 @@ std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
     shear.errors.push_back(solve.shear);
     stress.errors.emplace_back(solve.stress);
   }
-  std::vector<Curve> all{pressure, force, shear, stress};
+  std::vector<ErrorCurve> all{pressure, force, shear, stress};
   constexpr const char* colours[] = {"#8a4fb0", "#b08a20", "#208a8a", "#b0406a"};
   for (std::size_t k = 0; k < accuracy.stress_of_body.size(); ++k) {
     const BodyTarget& target = accuracy.stress_of_body[k];
-    Curve& curve =
-        all.emplace_back(Curve{"stress in " + target.body, colours[k % std::size(colours)], target.error, {}});
+    ErrorCurve& curve =
+        all.emplace_back(ErrorCurve{"stress in " + target.body, colours[k % std::size(colours)], target.error, {}});
     for (const SolveFigures& solve : accuracy.solves)
       curve.errors.emplace_back(k < solve.stress_of_body.size() ? std::optional(solve.stress_of_body[k])
                                                                 : std::nullopt);
   }
   for (std::size_t k = 0; k < accuracy.named.size(); ++k) {
     const std::size_t colour = accuracy.stress_of_body.size() + k;
-    Curve& curve = all.emplace_back(
-        Curve{accuracy.named[k].text(), colours[colour % std::size(colours)], accuracy.named[k].error, {}});
+    ErrorCurve& curve = all.emplace_back(
+        ErrorCurve{accuracy.named[k].text(), colours[colour % std::size(colours)], accuracy.named[k].error, {}});
     for (const SolveFigures& solve : accuracy.solves)
       curve.errors.push_back(k < solve.named.size() ? solve.named[k] : std::nullopt);
   }
-  std::vector<Curve> curves;
-  for (Curve& curve : all) {
+  std::vector<ErrorCurve> curves;
+  for (ErrorCurve& curve : all) {
     for (std::optional<double>& error : curve.errors)
       if (error && !(*error > 0 && std::isfinite(*error))) error.reset();
     if (curve.target || has_errors(curve)) curves.push_back(std::move(curve));
@@ -86,24 +86,24 @@ std::string tics(const Range& range) {
 }
 
 /// One row per solve: number, unknowns, time since the beginning, errors in per cent.
-std::string data_of(const AccuracyFigures& accuracy, const std::vector<Curve>& curves) {
+std::string data_of(const AccuracyFigures& accuracy, const std::vector<ErrorCurve>& curves) {
   std::string data;
   double time = 0;
   for (std::size_t k = 0; k < accuracy.solves.size(); ++k) {
     time += accuracy.solves[k].seconds;
     fmt::format_to(std::back_inserter(data), "{} {} {}", k + 1, accuracy.solves[k].unknowns, time);
-    for (const Curve& curve : curves)
+    for (const ErrorCurve& curve : curves)
       data += curve.errors[k] ? fmt::format(" {:.6g}", 100 * *curve.errors[k]) : std::string(" NaN");
     data += "\n";
   }
   return data;
 }
 
-std::string script_of(const Results& results, const std::vector<Curve>& curves) {
+std::string script_of(const Results& results, const std::vector<ErrorCurve>& curves) {
   Range unknowns, errors;
   for (const SolveFigures& solve : results.accuracy.solves)
     unknowns.add(std::max(1.0, static_cast<double>(solve.unknowns)));
-  for (const Curve& curve : curves) {
+  for (const ErrorCurve& curve : curves) {
     if (curve.target) errors.add(100 * *curve.target);
     for (const auto& error : curve.errors)
       if (error) errors.add(100 * *error);
@@ -122,7 +122,7 @@ std::string script_of(const Results& results, const std::vector<Curve>& curves) 
   for (std::size_t c = 0; c < curves.size(); ++c)
     script += fmt::format("{}'accuracy.dat' using 2:{} with linespoints lc rgb '{}' lw 2 pt 7 ps 0.6 title '{}'",
                           c ? ", " : "", c + 4, curves[c].colour, curves[c].name);
-  for (const Curve& curve : curves)
+  for (const ErrorCurve& curve : curves)
     if (curve.target)
       script += fmt::format(", {} with lines lc rgb '{}' lw 1.5 dt (8,5) title '{} asked for'", 100 * *curve.target,
                             curve.colour, curve.name);
@@ -137,7 +137,7 @@ std::string script_of(const Results& results, const std::vector<Curve>& curves) 
 
 void write_accuracy_plot(const Results& results, GnuplotRuns& runs) {
   if (!results.accuracy.asked) return;
-  const std::vector<Curve> curves = curves_of(results.accuracy);
+  const std::vector<ErrorCurve> curves = curves_of(results.accuracy);
   if (std::none_of(curves.begin(), curves.end(), has_errors)) return;
   write_text(runs.directory() + "/plots/accuracy.dat", data_of(results.accuracy, curves));
   runs.start("accuracy", script_of(results, curves), {"accuracy.svg"});

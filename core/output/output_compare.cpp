@@ -168,15 +168,15 @@ std::string table(const Comparer& comparer, const std::string& first, const std:
 }
 
 /// Position and recovered pressure on the first body of a pair.
-using Curve = std::vector<std::array<double, 2>>;
+using PressureCurve = std::vector<std::array<double, 2>>;
 
 /// By pair, from the pressure.csv of a result; empty without one.
-std::map<std::string, Curve> read_curves(const std::string& directory) {
+std::map<std::string, PressureCurve> read_curves(const std::string& directory) {
   const fs::path file = fs::path(directory) / "pressure.csv";
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return {};
   std::istringstream text(read_text(file.string()));
-  std::map<std::string, Curve> curves;
+  std::map<std::string, PressureCurve> curves;
   std::map<std::string, std::string> first_body;
   std::string line;
   std::getline(text, line);  // the heads
@@ -193,16 +193,17 @@ std::map<std::string, Curve> read_curves(const std::string& directory) {
   return curves;
 }
 
-void draw_curves(const std::string& pair, const Curve (&curves)[2], const std::string (&names)[2], GnuplotRuns& runs) {
+void draw_curves(const std::string& pair, const PressureCurve (&curves)[2], const std::string (&names)[2],
+                 GnuplotRuns& runs) {
   double longest = 0, highest = 0;
   std::string data;
-  for (const Curve& curve : curves)
+  for (const PressureCurve& curve : curves)
     for (const auto& [s, p] : curve) {
       longest = std::max(longest, std::abs(s));
       highest = std::max(highest, std::abs(p));
     }
   const DisplayUnit length = length_unit(longest), stress = stress_unit(highest);
-  for (const Curve& curve : curves) {
+  for (const PressureCurve& curve : curves) {
     for (const auto& [s, p] : curve)
       fmt::format_to(std::back_inserter(data), "{} {}\n", s * length.factor, p * stress.factor);
     data += "\n\n";

@@ -10,7 +10,7 @@
 namespace cgcontact {
 namespace {
 
-constexpr const char* picture = "check_repair.png";
+constexpr const char* repair_picture = "check_repair.png";
 constexpr Rgb as_before{0.82, 0.83, 0.85}, new_triangle{0.90, 0.36, 0.28};
 constexpr std::size_t max_surfaces = 12;
 
@@ -60,8 +60,9 @@ std::string draw_repairs(const Scene& scene, GnuplotRuns& runs) {
   }
   if (shown < surfaces.size())
     sheet.label(fmt::format("and {} more surfaces", surfaces.size() - shown), gap, gap / 2.0, "left");
-  runs.start("check_repair", page_settings(picture, width, height) + sheet.settings + sheet.panels + "\n", {picture});
-  return picture;
+  runs.start("check_repair", page_settings(repair_picture, width, height) + sheet.settings + sheet.panels + "\n",
+             {repair_picture});
+  return repair_picture;
 }
 
 }  // namespace cgcontact

@@ -35,7 +35,7 @@ struct Point {
 };
 
 /// One pressure of one variant in one zone, from left to right.
-struct Curve {
+struct ZoneCurve {
   std::size_t variant = 0;
   PressureKind kind;
   std::vector<Point> points;
@@ -61,13 +61,13 @@ std::optional<double> drawn_error(const StudyRow& row, const std::string& zone, 
   return zone == "whole" ? row.figures.pressure_error_estimate : std::nullopt;
 }
 
-std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, const Abscissa& abscissa) {
-  std::vector<Curve> curves;
+std::vector<ZoneCurve> curves_of_zone(const Study& study, const std::string& zone, const Abscissa& abscissa) {
+  std::vector<ZoneCurve> curves;
   std::vector<PressureKind> kinds = pressure_kinds();
   kinds.push_back(estimated);
   for (const PressureKind& kind : kinds)
     for (std::size_t v = 0; v < study.variants.size(); ++v) {
-      Curve curve{v, kind, {}};
+      ZoneCurve curve{v, kind, {}};
       for (const StudyRow& row : study.rows) {
         if (row.variant != study.variants[v] || row.status != StudyRow::Status::solved) continue;
         const auto error = drawn_error(row, zone, kind);
@@ -99,15 +99,15 @@ std::string tics(const LogRange& range) {
   return "(" + list + ")";
 }
 
-std::string curve_name(const Study& study, const Curve& curve) {
+std::string curve_name(const Study& study, const ZoneCurve& curve) {
   return study.variants.size() == 1 ? curve.kind.name
                                     : fmt::format("{}, {}", curve.kind.name, study.variants[curve.variant]);
 }
 
-std::string data_of(const std::vector<std::vector<Curve>>& zones) {
+std::string data_of(const std::vector<std::vector<ZoneCurve>>& zones) {
   std::string data;
   for (const auto& curves : zones)
-    for (const Curve& curve : curves) {
+    for (const ZoneCurve& curve : curves) {
       for (const Point& point : curve.points) fmt::format_to(std::back_inserter(data), "{} {}\n", point.x, point.y);
       data += curve.points.empty() ? "NaN NaN\n\n\n" : "\n\n";
     }
@@ -115,7 +115,7 @@ std::string data_of(const std::vector<std::vector<Curve>>& zones) {
 }
 
 /// Colour: kind of pressure; dashes and mark: variant.
-std::string curve_style(const Curve& curve) {
+std::string curve_style(const ZoneCurve& curve) {
   static const char* const dashes[] = {"1", "(6,4)", "(2,3)", "(8,3,2,3)"};
   static const int marks[] = {7, 5, 9, 13, 6, 4, 8, 12};
   return fmt::format("with linespoints lc rgb '{}' lw {} dt {} pt {} ps 0.7", curve.kind.colour,
@@ -168,7 +168,7 @@ std::string frame(const Abscissa& abscissa, const PanelLayout& layout, const Log
   return script + layout.key() + fmt::format("set multiplot title {} font ',16'\n", layout.title.text);
 }
 
-std::string draw_panel(const Study& study, const std::vector<Curve>& curves, const std::string& file,
+std::string draw_panel(const Study& study, const std::vector<ZoneCurve>& curves, const std::string& file,
                        std::size_t first) {
   std::string text = "plot";
   for (std::size_t c = 0; c < curves.size(); ++c)
@@ -179,11 +179,11 @@ std::string draw_panel(const Study& study, const std::vector<Curve>& curves, con
 
 void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs) {
   const std::vector<std::string> zones = zone_names(study);
-  std::vector<std::vector<Curve>> curves;
+  std::vector<std::vector<ZoneCurve>> curves;
   LogRange x, y;
   for (const std::string& zone : zones) {
     curves.push_back(curves_of_zone(study, zone, abscissa));
-    for (const Curve& curve : curves.back())
+    for (const ZoneCurve& curve : curves.back())
       for (const Point& point : curve.points) {
         x.add(point.x);
         y.add(point.y);
@@ -194,7 +194,7 @@ void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs)
   write_text(runs.directory() + "/plots/" + file, data_of(curves));
 
   std::vector<std::string> entries;
-  for (const Curve& curve : curves.front()) entries.push_back(curve_name(study, curve));
+  for (const ZoneCurve& curve : curves.front()) entries.push_back(curve_name(study, curve));
   const std::string heading =
       fmt::format("{}: {}{}", abscissa.title, study.title, study.own_reference ? " (reference: own finest run)" : "");
   const PanelLayout layout(zones.size(), heading, entries);

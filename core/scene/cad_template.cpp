@@ -12,6 +12,7 @@
 #include "core/base/rounding.hpp"
 #include "core/bodies/cad_body.hpp"
 #include "core/scene/scene_mesh.hpp"
+#include "core/scene/units.hpp"
 
 namespace cgcontact {
 
@@ -19,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double mm = 1e-3;
 constexpr int default_cells = 20;    // along the longest side of a solid
 constexpr double near_share = 0.01;  // of the smaller solid's longest side: faces this near to each other may touch
 constexpr double max_facing_cosine = -0.5;  // cosine between the normals of faces that face each other

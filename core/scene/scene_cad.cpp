@@ -14,12 +14,12 @@
 #include "core/bodies/cad_body.hpp"
 #include "core/scene/scene_mesh.hpp"
 #include "core/scene/scene_shapes.hpp"
+#include "core/scene/units.hpp"
 
 namespace cgcontact {
 
 namespace {
 
-constexpr double mm = 1e-3;
 constexpr double first_cells = 20;  // along the longest side, of a body without cell_size
 constexpr double max_cells_across =
     2000;  // smaller cells, relative to the body, are a mistake that is reported elsewhere

@@ -8,6 +8,7 @@
 #include "core/bodies/cad_body.hpp"
 #include "core/bodies/profile_body.hpp"
 #include "core/scene/scene_cad.hpp"
+#include "core/scene/units.hpp"
 
 namespace cgcontact {
 
@@ -16,7 +17,6 @@ namespace {
 constexpr double right_angle = 1e-9;  // cosine of the angle between the plane's x axis and its normal
 constexpr double on_axis = 1e-12;     // relative to the profile: an edge there has no face
 constexpr double arc_on_axis = 1e-9;  // relative to the profile: the centre of an arc that belongs to a sphere
-constexpr double mm = 1e-3;           // m, the unit of CAD models
 constexpr std::size_t max_edges = 200;
 const char* const profile_help = "[[a, b], [a, b], {to = [a, b], through = [a, b], name = ..}, ...], m";
 

@@ -20,8 +20,8 @@ namespace {
 constexpr double max_cells = 2e9;       // of the box around a body: beyond, the unit is wrong
 constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
 constexpr std::size_t max_parameters = 1000;
-constexpr double same_axis = 1e-12;  // rounding of a rotation
-constexpr double end_cone = 45;      // degrees; the normals of a body in plane strain lie along the axis or across it
+constexpr double axis_rounding = 1e-12;  // rounding of a rotation
+constexpr double end_cone = 45;  // degrees; the normals of a body in plane strain lie along the axis or across it
 
 /// The number in the SI unit of the value that it replaces. An angle stays a number, which keys take in degrees.
 Quantity with_unit_of(const Constants& in_file, const std::string& name, const Quantity& number) {
@@ -375,7 +375,7 @@ void set_plane_strain(const TomlCursor& node, BodySpec& body) {
   body.plane_strain = static_cast<Coordinate>(axis);
   body.plane_strain_location = node.location();
   const std::string& name = coordinate_names()[axis];
-  if (const Vec3 e = Vec3::Unit(axis); (body.grid_rotation * e - e).norm() > same_axis)
+  if (const Vec3 e = Vec3::Unit(axis); (body.grid_rotation * e - e).norm() > axis_rounding)
     node.fail(fmt::format("the grid of body \"{}\" is turned about another axis than {}", body.name, name),
               fmt::format("grid.rotation about {} only", name));
 }
@@ -413,7 +413,7 @@ void SceneReader::read_axisymmetric(const TomlCursor& root) {
     BodySpec& body = scene_.bodies[b];
     if (body.plane_strain)
       node->fail("stands beside plane_strain of body \"" + body.name + '"', "one of the two for all bodies");
-    if ((body.grid_rotation - Mat3::Identity()).norm() > same_axis)
+    if ((body.grid_rotation - Mat3::Identity()).norm() > axis_rounding)
       node->fail("the grid of body \"" + body.name + "\" is turned",
                  "no grid.rotation: the axis is a line of the grid");
     body.plane_strain = static_cast<Coordinate>((axis + 2) % 3);

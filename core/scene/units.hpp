@@ -9,6 +9,8 @@
 
 namespace cgcontact {
 
+constexpr double mm = 1e-3;  ///< m: the unit of CAD models
+
 /// Exponents of length, mass, time, temperature and angle.
 struct Dimension {
   enum Base { length, mass, time, temperature, angle, num_bases };

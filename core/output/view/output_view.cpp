@@ -21,7 +21,7 @@ namespace cgcontact {
 
 namespace {
 
-using Json = nlohmann::json;
+using ViewJson = nlohmann::json;
 
 /// Bytes before base64 with pictures_beside_view: with these, and the library, some 1 MB, a page stays below 5 MB.
 constexpr double bytes_for_boundaries = 1.0e6, bytes_for_insides = 0.5e6;
@@ -34,13 +34,15 @@ constexpr int colours = 256;
 /// Values at a point of a contact face: gap, pressure, its error; with friction shear, slip, wear.
 constexpr std::size_t columns_without_friction = 3, contact_columns = 6;
 
-Json json_of(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
+ViewJson json_of(const Vec3& v) { return ViewJson::array({v[0], v[1], v[2]}); }
 
-Json json_of(const PackedValues& packed) { return {{"low", packed.low}, {"step", packed.step}, {"data", packed.data}}; }
+ViewJson json_of(const PackedValues& packed) {
+  return {{"low", packed.low}, {"step", packed.step}, {"data", packed.data}};
+}
 
 /// Rows of values, packed; get(i) is a fixed-size vector.
 template <class Get>
-Json packed_rows(std::size_t rows, std::size_t columns, const Get& get) {
+ViewJson packed_rows(std::size_t rows, std::size_t columns, const Get& get) {
   std::vector<double> values;
   values.reserve(rows * columns);
   for (std::size_t i = 0; i < rows; ++i) {
@@ -51,7 +53,7 @@ Json packed_rows(std::size_t rows, std::size_t columns, const Get& get) {
 }
 
 /// Positive values as their decimal logarithms: a low value keeps its digits beside a high one.
-Json packed_logarithms(const std::vector<double>& values) {
+ViewJson packed_logarithms(const std::vector<double>& values) {
   std::vector<double> logarithms;
   for (const double value : values) logarithms.push_back(value > 0 ? std::log10(value) : std::nan(""));
   return json_of(pack_values(logarithms, 1));
@@ -103,12 +105,12 @@ class BodyBoundary {
     number_points(contact_triangles);
   }
 
-  Json json() const {
-    Json json = fields(drawn_);
+  ViewJson json() const {
+    ViewJson json = fields(drawn_);
     json["points"] = points_.size();
     json["position"] = packed_rows(points_.size(), 3, [&](std::size_t i) { return drawn_.position[points_[i]]; });
     json["triangles"] = pack_corners(corners_);
-    json["groups"] = Json::array();
+    json["groups"] = ViewJson::array();
     for (const auto& [group, count] : groups_)
       json["groups"].push_back({group.surface, group.region, group.pair, group.closed, count});
     add_cell_values(json);
@@ -117,8 +119,8 @@ class BodyBoundary {
   }
 
   /// Displacement and stress at the points.
-  Json fields(const PointValues& values) const {
-    Json json = Json::object();
+  ViewJson fields(const PointValues& values) const {
+    ViewJson json = ViewJson::object();
     if (!values.displacement.empty())
       json["displacement"] =
           packed_rows(points_.size(), 3, [&](std::size_t i) { return values.displacement[points_[i]]; });
@@ -171,7 +173,7 @@ class BodyBoundary {
       }
   }
 
-  Json contact() const {
+  ViewJson contact() const {
     using Row = std::array<double, contact_columns>;
     const std::size_t columns = has_friction(input_.results) ? contact_columns : columns_without_friction;
     const CutCells& cells = *input_.results.bodies[body_].cut_cells;
@@ -187,7 +189,7 @@ class BodyBoundary {
                        values->shear, values->slip,     values->wear};
     }
     assign_largest(rows);
-    Json json;
+    ViewJson json;
     json["points"] = pack_ascending(contact_points_);
     json["values"] = packed_rows(rows.size(), columns, [&](std::size_t i) { return rows[i]; });
     return json;
@@ -218,7 +220,7 @@ class BodyBoundary {
     }
   }
 
-  void add_cell_values(Json& json) const {
+  void add_cell_values(ViewJson& json) const {
     const BodyFields& fields = input_.results.bodies[body_];
     const auto cell = [&](const ThinTriangle& t) { return drawn_.mesh.boundary[t.source].cell; };
     if (!fields.error_of_cell.empty() && !fields.rigid) {
@@ -243,10 +245,10 @@ class BodyBoundary {
   std::vector<int> contact_points_, contact_numbers_;  ///< into points_, ascending; into the points of the surface
 };
 
-Json inside_of(const BodyFields& body, const std::vector<SceneBox>& zones, std::size_t most, int& largest_block) {
+ViewJson inside_of(const BodyFields& body, const std::vector<SceneBox>& zones, std::size_t most, int& largest_block) {
   const SampledCells sampled = sample_cells(body, zones, most);
   largest_block = std::max(largest_block, sampled.largest_block);
-  Json json;
+  ViewJson json;
   const std::size_t n = sampled.position.size();
   json["points"] = n;
   json["position"] = packed_rows(n, 3, [&](std::size_t i) { return sampled.position[i]; });
@@ -262,9 +264,11 @@ Json inside_of(const BodyFields& body, const std::vector<SceneBox>& zones, std::
 }
 
 /// The largest values of the report with their positions.
-Json extremes_of_body(const Extremes& most) {
-  const auto one = [](const Extreme& extreme) { return Json{{"value", extreme.value}, {"at", json_of(extreme.at)}}; };
-  Json json;
+ViewJson extremes_of_body(const Extremes& most) {
+  const auto one = [](const Extreme& extreme) {
+    return ViewJson{{"value", extreme.value}, {"at", json_of(extreme.at)}};
+  };
+  ViewJson json;
   json["von_mises"]["max"] = one(most.von_mises);
   json["tresca"]["max"] = one(most.tresca);
   json["principal_1"]["max"] = one(most.tension);
@@ -274,8 +278,8 @@ Json extremes_of_body(const Extremes& most) {
   return json;
 }
 
-Json faces_of(const ViewInput& input) {
-  Json faces = Json::array();
+ViewJson faces_of(const ViewInput& input) {
+  ViewJson faces = ViewJson::array();
   if (!input.faces) return faces;
   for (std::size_t r = 0; r < input.faces->regions.size(); ++r) {
     const FaceRegion& region = input.faces->regions[r];
@@ -291,8 +295,8 @@ Json faces_of(const ViewInput& input) {
 }
 
 /// Planes of symmetry, each once: a point and the normal of the faces on it.
-Json symmetry_planes(const ViewInput& input) {
-  Json planes = Json::array();
+ViewJson symmetry_planes(const ViewInput& input) {
+  ViewJson planes = ViewJson::array();
   if (!input.faces) return planes;
   std::vector<std::pair<Vec3, Vec3>> found;
   constexpr double same = 1e-6;  // of length 1, or of the size of the face: rounding is far below
@@ -322,11 +326,11 @@ Json symmetry_planes(const ViewInput& input) {
   return planes;
 }
 
-Json pairs_of(const Results& results) {
-  Json pairs = Json::array();
+ViewJson pairs_of(const Results& results) {
+  ViewJson pairs = ViewJson::array();
   for (std::size_t k = 0; k < results.pairs.size(); ++k) {
     const PairFigures& pair = results.pairs[k];
-    Json json{{"name", pair.name}, {"bodies", {pair.body_first, pair.body_second}}};
+    ViewJson json{{"name", pair.name}, {"bodies", {pair.body_first, pair.body_second}}};
     if (const auto zone = zone_of_pair(results, static_cast<int>(k)))
       json["zone"] = {{"low", json_of(zone->box.low)},
                       {"high", json_of(zone->box.high)},
@@ -383,14 +387,14 @@ std::string harmless(const std::string& json) {
 }
 
 /// Writes the bodies and their steps; says how many triangles are drawn of how many.
-Json bodies_of(const ViewInput& input, const std::vector<SceneBox>& zones, Json& steps, std::string& left_out) {
+ViewJson bodies_of(const ViewInput& input, const std::vector<SceneBox>& zones, ViewJson& steps, std::string& left_out) {
   const double fields = bytes_of_point + bytes_of_fields * static_cast<double>(input.steps.size());
   const double most = bytes_for_boundaries / (bytes_of_triangle + points_by_triangle * fields);
   std::vector<std::vector<ThinTriangle>> thin = thin_boundaries(input.drawn, zones, static_cast<std::size_t>(most));
   double cells = 0;
   for (const BodyFields& body : input.results.bodies) cells += static_cast<double>(body.cut_cells->cells.size());
   ContactTriangles contact(input.surface);
-  Json bodies = Json::array();
+  ViewJson bodies = ViewJson::array();
   std::size_t drawn = 0, all = 0;
   int largest_block = 1;
   for (std::size_t b = 0; b < input.drawn.size(); ++b) {
@@ -398,7 +402,7 @@ Json bodies_of(const ViewInput& input, const std::vector<SceneBox>& zones, Json&
     drawn += thin[b].size();
     all += input.drawn[b].mesh.boundary.size();
     const BodyBoundary boundary(input, b, std::move(thin[b]), contact.of_body(b, input.drawn[b]));
-    Json json = boundary.json();
+    ViewJson json = boundary.json();
     json["name"] = body.name;
     json["colour"] = hex(colour_of_body(b));
     const double share = static_cast<double>(body.cut_cells->cells.size()) / cells;
@@ -422,8 +426,8 @@ ViewData view_data(const ViewInput& input) {
   ViewData view;
   if (input.drawn.empty()) return view;
   const SceneView look = direction_to_scene(results, input.drawn);
-  Json json;
-  json["steps"] = Json::array();
+  ViewJson json;
+  json["steps"] = ViewJson::array();
   for (const ViewStep& step : input.steps) json["steps"].push_back({{"number", step.number + 1}});
   json["bodies"] = bodies_of(input, zones_of(results), json["steps"], view.left_out);
   json["faces"] = faces_of(input);
@@ -438,7 +442,7 @@ ViewData view_data(const ViewInput& input) {
   json["status_names"] = results.patch_statuses;
   view.alternative = result_in_words(results);
   json["alternative"] = view.alternative;
-  view.json = harmless(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  view.json = harmless(json.dump(-1, ' ', false, ViewJson::error_handler_t::replace));
   return view;
 }
 
