@@ -13,7 +13,7 @@ constexpr double half_diagonal = 0.87;
 /// Cells change by no more than these factors at once: the estimate of a cell is one of its present surroundings.
 constexpr double min_ratio = 0.125, max_ratio = 2;
 /// Halvings make cells up to twice as small as asked for: so they are too large as often as too small.
-constexpr double rounding = 1.41;
+constexpr double between_halvings = 1.41;
 
 /// Returns the ratio of h to the size that a field asks for, in halvings.
 double asked_ratio(const SizeField& zones, const Vec3& x, double h) {
@@ -56,7 +56,7 @@ std::vector<SizedBall> sizes_for(const BodyFields& body, double wanted, double s
     const double e = body.error_of_cell[c];
     if (!(e > 0)) continue;
     const double ratio = wanted * std::pow(e, -1 / order_of(body)) / std::sqrt(sum), h = cells.h(c);
-    const double size = rounding * h * std::clamp(ratio, min_ratio, max_ratio);
+    const double size = between_halvings * h * std::clamp(ratio, min_ratio, max_ratio);
     if (size < first_size) balls.push_back({global_position(cells, c, Vec3::Zero()), half_diagonal * h, size});
   }
   return balls;

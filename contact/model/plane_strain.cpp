@@ -8,9 +8,9 @@
 namespace cgcontact {
 namespace {
 
-/// Cells: so much may rounding stick out of the layer, so thin may it be. Cells filled by less than a quarter do not
+/// Cells: so much may stick out of the layer, so thin may it be. Cells filled by less than a quarter do not
 /// hold their nodes; those that the sides cut are filled by less than the thickness.
-constexpr double rounding = 1e-6, thinnest = 0.5;
+constexpr double sticking_out = 1e-6, thinnest = 0.5;
 /// Tolerance of the normals and, in cells, of the positions of the ends: triangle surfaces have coordinates in single
 /// precision.
 constexpr double flat = 1e-3;
@@ -110,7 +110,7 @@ void check_inertia_of_revolution(const BodySpec& body) {
   if ((inertia.weight - inertia.weight.dot(axis) * axis).norm() > along_axis * inertia.weight.norm())
     refuse(body, "gravity acts across its axis of revolution", "gravity along " + name);
   if (inertia.spin != 0 &&
-      (inertia.axis.cross(axis).norm() > flat || inertia.centre.cross(axis).norm() > rounding * body.unit_radius))
+      (inertia.axis.cross(axis).norm() > flat || inertia.centre.cross(axis).norm() > sticking_out * body.unit_radius))
     refuse(body, "it rotates about another axis than that of revolution", "rotation about " + name);
 }
 
@@ -138,7 +138,7 @@ void check_body_force(const BodyModel& body) {
 
 void check_thickness(const BodySpec& body, double thickness) {
   const double offset = body.grid_offset[axis_of(body)], cells = thickness / body.cell_size;
-  if (cells >= thinnest && cells + offset <= 1 + rounding) return;
+  if (cells >= thinnest && cells + offset <= 1 + sticking_out) return;
   refuse(
       body,
       fmt::format("it is {:.6g} m thick along the axis of plane strain, {:.3g} of its cells, which begin {:.3g} cells "

@@ -10,6 +10,7 @@
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/rigid_motion.hpp"
 #include "core/base/decompositions.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
@@ -20,10 +21,9 @@ constexpr double negligible = 1e-3;
 constexpr double worth_holding = 0.02;
 constexpr std::size_t max_components = 1000;
 
-/// Components that are rounding beside the others, or beside `size`, are zero.
-std::string as_text(Vec3 x, double size = 0) {
-  for (double& value : x)
-    if (std::abs(value) < 1e-9 * std::max(size, x.norm())) value = 0;
+/// Formats a vector; components that are rounding beside the others, or beside `size`, are zero.
+std::string as_text(const Vec3& v, double size = 0) {
+  const Vec3 x = without_rounding(v, std::max(size, v.norm()));
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]);
 }
 

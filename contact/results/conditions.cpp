@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "contact/model/around_axis.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {
@@ -44,12 +45,8 @@ std::string resultants_text(const LoadSpec& load, double factor) {
 
 /// Sets components of force, moment and position that are rounding to 0.
 void leave_out_rounding(LoadFigures& load) {
-  constexpr double rounding = 1e-9;
   const double size = load.of_body ? std::cbrt(load.area) : std::sqrt(load.area), force = load.force.norm();
-  const auto leave_out = [&](Vec3& v, double scale) {
-    const double least = rounding * std::max(v.norm(), scale);
-    for (double& component : v) component = std::abs(component) <= least ? 0 : component;
-  };
+  const auto leave_out = [&](Vec3& v, double scale) { v = without_rounding(v, std::max(v.norm(), scale)); };
   leave_out(load.force, force);
   leave_out(load.moment, size * force);
   leave_out(load.about, size);

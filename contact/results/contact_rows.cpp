@@ -8,14 +8,13 @@
 #include "contact/results/pair_figures.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
 
 /// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
 constexpr double same_face = 0.5;
-/// Rounding, relative to the largest pressure of a pair.
-constexpr double rounding = 1e-9;
 
 double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
 

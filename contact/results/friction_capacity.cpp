@@ -10,6 +10,7 @@
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
 #include "core/base/decompositions.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
@@ -31,14 +32,6 @@ double largest_component(const Vec3& v) {
   Eigen::Index k;
   v.cwiseAbs().maxCoeff(&k);
   return v[k];
-}
-
-/// Sets components that are rounding beside `size` to 0.
-Vec3 without_rounding(Vec3 v, double size) {
-  constexpr double rounding = 1e-9;
-  for (double& component : v)
-    if (std::abs(component) < rounding * size) component = 0;
-  return v;
 }
 
 double distance_from(const Axis& axis, const Vec3& x) { return axis.direction.cross(x - axis.point).norm(); }

@@ -6,6 +6,7 @@
 #include "contact/model/indentation.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/solve/iterate.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 /// times the deformation: 0.3 in the median of 50 random scenes, 1.7 and 3.4 at the upper quarter and tenth, 5.8 at
 /// most (docs/decisions.md).
 constexpr double safety = 3;
-/// Fraction of a body's motion: a deformation that is less is none.
-constexpr double motion_rounding = 1e-9;
 /// Fraction of the error that a gap counts as, where it is next to nothing.
 constexpr double min_ratio = 0.1;
 
@@ -32,7 +31,7 @@ std::vector<double> deformations(const SolvedState& state) {
     const double moved =
         motion.translation.norm() + (motion.rotation.norm() + motion.expansion.norm()) * longest_extent(body);
     here *= state.scales.length;
-    largest.push_back(mesh.rigid || here < motion_rounding * moved ? 0 : here);
+    largest.push_back(mesh.rigid || here < rounding * moved ? 0 : here);
   }
   return largest;
 }

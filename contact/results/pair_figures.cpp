@@ -8,18 +8,16 @@
 
 #include "contact/model/around_axis.hpp"
 #include "contact/model/condition_checks.hpp"
+#include "core/base/rounding.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// Fraction of all forces in the scene below which what a pair transmits is rounding, and of the forces that add up to
-/// a resultant below which it is (a shrink fit).
-constexpr double no_force = 1e-9;
 /// Fractions of the largest pressure: less is the end of a zone, or where the pressure is that small by itself (a zone
 /// pressed less than another of the same pair); less than `no_pressure` is none. Fraction of the transmitted pressure
 /// above which a small one is so by itself.
-constexpr double end_of_zone = 0.01, no_pressure = 1e-9, little_by_itself = 0.5;
+constexpr double end_of_zone = 0.01, no_pressure = rounding, little_by_itself = 0.5;
 
 /// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.
 std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
@@ -92,9 +90,7 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
   const BodySpec& spec = *state.bodies[pair.primary].spec;
   for (int side = 0; side < 2; ++side) sum_around_axis(spec, force[side], &moment[side]);
   sum_around_axis(spec, centre);
-  for (Vec3& f : force)
-    for (double& component : f)
-      if (std::abs(component) <= no_force * magnitude) component = 0;
+  for (Vec3& f : force) f = without_rounding(f, magnitude);  // of forces that add up to none (a shrink fit)
   const int first = pair.spec->first.body == pair.primary ? 0 : 1;
   figures.force_on_first = force[first];
   figures.force_on_second = force[1 - first];
@@ -109,7 +105,7 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
 void add_zone(const SolvedState& state, int k, const Results& results, PairFigures& figures) {
   for (const ContactRow& r : results.contact_rows)
     if (r.pair == k && r.touching) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
-  constexpr double equal = 1 - 1e-9;  // of equal ones the first, whatever the rounding
+  constexpr double equal = 1 - rounding;  // of equal ones the first, whatever the rounding
   const auto largest = std::find_if(results.contact_rows.begin(), results.contact_rows.end(), [&](const ContactRow& r) {
     return r.pair == k && r.touching && r.pressure_sprc > equal * figures.max_pressure;
   });
@@ -161,7 +157,7 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     figures.bonded = pair.bonded();
     figures.points = static_cast<int>(pair.num_surface_points());
     for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points.active(q);
-    if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
+    if (figures.active_points > 0 && forces[k] > rounding * all_forces) {
       add_forces(state, pair, first_group, first_tangent, forces[k], figures);
       add_zone(state, static_cast<int>(k), results, figures);
       if (!pair.bonded() && figures.area > 0) figures.zone.normal_force = state.bodies[pair.primary].slices * normal[k];

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -14,14 +16,11 @@ Vec3 about_axes(const BodyModel& body, const Vec3& moment) {
   return whole[axis] * Vec3::Unit(axis);
 }
 
-/// Components that are rounding become 0; of a rotation by what it moves the farthest points.
+/// Sets components that are rounding to 0; of a rotation by what it moves the farthest points.
 void leave_out_rounding(double size, RigidFigures& figures) {
-  constexpr double rounding = 1e-9;
   const double largest = std::max(figures.displacement.norm(), size * figures.rotation.norm());
-  for (double& u : figures.displacement)
-    if (std::abs(u) <= rounding * largest) u = 0;
-  for (double& angle : figures.rotation)
-    if (std::abs(size * angle) <= rounding * largest) angle = 0;
+  figures.displacement = without_rounding(figures.displacement, largest);
+  figures.rotation = without_rounding(figures.rotation, largest / size);
 }
 
 RigidFigures figures_of(const SolvedState& state, int b, const Results& results) {

@@ -6,9 +6,6 @@
 namespace cgcontact {
 namespace {
 
-/// Fraction of the kappa terms: pressures below are rounding.
-constexpr double no_force = 1e-10;
-
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
 /// one by no more than `allowance` of the smaller cell. Returns whether all points are closed.
 bool close_near_the_smallest_gap(const OuterProblem& problem, double allowance) {

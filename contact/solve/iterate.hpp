@@ -11,6 +11,9 @@
 
 namespace cgcontact {
 
+/// Fraction of the kappa terms below which forces and pressures are rounding.
+constexpr double no_force = 1e-10;
+
 /// Values of points that the host sets (h_view, then modify_host()) and kernels read.
 using PointValues = Kokkos::DualView<double*, ExecSpace>;
 

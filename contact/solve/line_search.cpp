@@ -6,10 +6,11 @@ namespace cgcontact {
 namespace {
 
 constexpr int max_interval_bisections = 30;
-/// Relative tolerance of the length with friction, whose rigid motions may overshoot where a body is held again.
-/// Fraction of the slope at the start of the step that may be left at its end.
 constexpr int max_halvings_with_friction = 60;
-constexpr double length_error = 1e-3, slope_left = 1e-3;
+/// Relative tolerance of the length with friction, whose rigid motions may overshoot where a body is held again.
+constexpr double length_error = 1e-3;
+/// Fraction of the slope at the start of the step that may be left at its end.
+constexpr double slope_left = 1e-3;
 
 }  // namespace
 

@@ -9,8 +9,6 @@
 namespace cgcontact {
 namespace {
 
-/// Fraction of the kappa terms: forces below are rounding.
-constexpr double no_force = 1e-10;
 /// System units: squares of what is smaller lose the digits that the smallest linear tolerance asks for.
 const double min_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;
 

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/base/errors.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 
@@ -188,6 +189,16 @@ std::string scaled(double value, const std::string& unit, int digits) {
 std::string processors_text(int ranks, int threads) {
   const std::string each = fmt::format("{} thread{}", threads, threads == 1 ? "" : "s");
   return ranks == 1 ? each : fmt::format("{} ranks of {}", ranks, each);
+}
+
+std::string vector_text(const Vec3& v, const DisplayUnit& unit, int digits) {
+  const Vec3 shown = unit.factor * without_rounding(v, v.cwiseAbs().maxCoeff());
+  return fmt::format("({}, {}, {}) {}", short_number(shown[0], digits), short_number(shown[1], digits),
+                     short_number(shown[2], digits), unit.name);
+}
+
+std::string position_text(const Vec3& x, int digits) {
+  return vector_text(x, length_unit(x.cwiseAbs().maxCoeff()), digits);
 }
 
 }  // namespace cgcontact

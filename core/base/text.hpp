@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/types.hpp"
+
 namespace cgcontact {
 
 /// Writes the whole file; throws InputError that names the file and the system's reason (disk full, no permission).
@@ -61,5 +63,10 @@ DisplayUnit length_unit(double largest);  ///< m, mm or um
 DisplayUnit area_unit(double largest);    ///< m^2, mm^2 or um^2
 DisplayUnit stress_unit(double largest);  ///< Pa, kPa, MPa or GPa
 DisplayUnit force_unit(double largest);   ///< N, kN, MN or mN
+
+/// Formats a vector in SI, e.g. "(1.2, 0, 3) mm"; components that are rounding beside the others are 0.
+std::string vector_text(const Vec3& v, const DisplayUnit& unit, int digits = 4);
+/// Formats a position with the unit that fits it.
+std::string position_text(const Vec3& x, int digits = 4);
 
 }  // namespace cgcontact

@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "core/base/parallel.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Rounding, relative to the reach of a cell: more than that of its corners' coordinates.
-constexpr double rounding = 1e-9;
 
 struct Vertex {
   Vec3 grid, position, displacement;

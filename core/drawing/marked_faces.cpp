@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/rounding.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -167,14 +169,10 @@ void MarkedFaces::add_body(int b) {
 
 /// Means instead of sums; what is rounding beside all that acts on the region (N) is zero.
 void MarkedFaces::finish(FaceRegion& region, double acting) const {
-  constexpr double rounding = 1e-9;
   region.centroid /= region.area;
   region.moment -= region.centroid.cross(region.force);
-  const auto leave_out = [](Vec3& v, double least) {
-    for (double& component : v) component = std::abs(component) <= least ? 0 : component;
-  };
-  leave_out(region.force, rounding * acting);
-  leave_out(region.moment, rounding * acting * (std::sqrt(region.area) + region.centroid.norm()));
+  region.force = without_rounding(region.force, acting);
+  region.moment = without_rounding(region.moment, acting * (std::sqrt(region.area) + region.centroid.norm()));
 }
 
 int MarkedFaces::region_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/parallel.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/text.hpp"
 #include "core/drawing/drawn_body.hpp"
 #include "core/drawing/render.hpp"
@@ -486,7 +487,6 @@ const char* role_name(const FaceRegion& region) {
 }
 
 Vec3 prescribed(const FaceRegion& region) {
-  constexpr double rounding = 1e-9;
   Vec3 u = Vec3::Zero();
   double largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -495,8 +495,7 @@ Vec3 prescribed(const FaceRegion& region) {
     largest = std::max({largest, std::abs(low), std::abs(high)});
     if (low >= 0 || high <= 0) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
   }
-  for (double& component : u) component = std::abs(component) <= rounding * largest ? 0 : component;
-  return u;
+  return without_rounding(u, largest);
 }
 
 std::string conditions(const Scene& scene, const FaceRegion& region) {
@@ -516,15 +515,8 @@ std::string conditions(const Scene& scene, const FaceRegion& region) {
       add(fmt::format("moved: {} = {}{}", name, low == high ? "" : short_number(low * unit.factor) + " .. ",
                       in_unit(high, unit)));
   }
-  const auto components = [](const Vec3& v, const DisplayUnit& unit) {
-    Vec3 shown = v * unit.factor;
-    for (double& c : shown)
-      if (std::abs(c) < 1e-9 * shown.norm()) c = 0;
-    return fmt::format("({}, {}, {}) {}", short_number(shown[0]), short_number(shown[1]), short_number(shown[2]),
-                       unit.name);
-  };
-  if (!region.force.isZero(0)) add("load " + components(region.force, force_unit(region.force.norm())));
-  if (shows_moment(scene, region)) add("moment " + components(region.moment, DisplayUnit{1, "N m"}));
+  if (!region.force.isZero(0)) add("load " + vector_text(region.force, force_unit(region.force.norm())));
+  if (shows_moment(scene, region)) add("moment " + vector_text(region.moment, DisplayUnit{1, "N m"}));
   if (!region.loads.empty() && region.force.isZero(0) && region.moment.isZero(0)) add("load without a resultant");
   return text.empty() ? "free" : text;
 }

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 
+#include "core/base/rounding.hpp"
 #include "core/base/text.hpp"
 #include "core/drawing/extremes.hpp"
 #include "core/output/asked_accuracy.hpp"
@@ -23,8 +24,6 @@ namespace {
 
 /// Fraction of the largest resultant: a component below is rounding, or what the linear solver leaves.
 constexpr double no_force = 1e-6;
-/// Estimates below this are rounding.
-constexpr double rounding = 1e-9;
 
 struct Explanation {
   const char *name, *text;
@@ -129,7 +128,8 @@ std::string html_position(const Vec3& x) {
   const DisplayUnit unit = length_unit(size);
   std::string text = "(";
   for (int k = 0; k < 3; ++k)
-    text += (k ? ", " : "") + figure(x[k], std::abs(x[k]) <= 1e-9 * size ? "0" : short_number(x[k] * unit.factor, 4));
+    text +=
+        (k ? ", " : "") + figure(x[k], std::abs(x[k]) <= rounding * size ? "0" : short_number(x[k] * unit.factor, 4));
   return text + ")&#160;" + pretty(unit.name);
 }
 

@@ -191,15 +191,9 @@ std::optional<std::size_t> most_stressed(const Results& results) {
 /// "largest (ring): 42.7 MPa in shell at (0.1, 0, 0.5) m", and whether the colours end below it.
 std::string largest_text(const Results& results, std::size_t body, const View& view, bool has_ring) {
   const Extreme& most = largest_stress(results, body);
-  const DisplayUnit length = length_unit(most.at.cwiseAbs().maxCoeff());
-  const double rounding = 1e-9 * most.at.cwiseAbs().maxCoeff();
-  const auto component = [&](int k) {
-    const double x = most.at[k];
-    return short_number(std::abs(x) <= rounding ? 0 : x * length.factor, 4);
-  };
-  return fmt::format("largest ({}): {} in {} at ({}, {}, {}) {}{}", has_ring ? "ring" : "cut away",
-                     scaled(most.value, "Pa"), results.bodies[body].name, component(0), component(1), component(2),
-                     length.name, most.value > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
+  return fmt::format("largest ({}): {} in {} at {}{}", has_ring ? "ring" : "cut away", scaled(most.value, "Pa"),
+                     results.bodies[body].name, position_text(most.at),
+                     most.value > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
 }
 
 /// `name`: of the picture and of its pixels.

@@ -128,14 +128,6 @@ Lines step_lines(const Results& results, std::size_t rows) {
   return lines;
 }
 
-/// "(10, 0, -5) mm"; components that are rounding beside the others are zero.
-std::string position_text(const Vec3& x) {
-  const double size = x.cwiseAbs().maxCoeff();
-  const DisplayUnit unit = length_unit(size);
-  const auto component = [&](int k) { return short_number(std::abs(x[k]) <= 1e-9 * size ? 0 : x[k] * unit.factor, 3); };
-  return fmt::format("({}, {}, {}) {}", component(0), component(1), component(2), unit.name);
-}
-
 std::string stress_text(double value) { return in_unit(value, stress_unit(std::abs(value)), 4); }
 
 /// The zone of the pair with the largest force, and what Hertz says; "" without a zone.
@@ -194,7 +186,7 @@ Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
     if (with_axes)
       append(lines, paragraph("    torque: ",
                               torque ? fmt::format("about ({}) through {}, {}", components_text(torque->axis.direction),
-                                                   position_text(torque->axis.point), name_of(torque->from))
+                                                   position_text(torque->axis.point, 3), name_of(torque->from))
                                      : "none, " + friction.why_no_torque));
   }
   if (shown > rows) lines.push_back(fmt::format("  and {} more pairs with friction, see the report", shown - rows));
@@ -229,7 +221,7 @@ std::string rigid_text(const Results& results) {
       continue;
     }
     const auto mrad = [&](int i) { return short_number(1e3 * body.rigid->rotation[i], 3); };
-    text = fmt::format("{} moves by {}", shortened_name(body.name, 20), position_text(body.rigid->displacement));
+    text = fmt::format("{} moves by {}", shortened_name(body.name, 20), position_text(body.rigid->displacement, 3));
     if (!body.rigid->rotation.isZero(0)) text += fmt::format(", turns by ({}, {}, {}) mrad", mrad(0), mrad(1), mrad(2));
   }
   if (more > 0) text += fmt::format("; {} more in the report", more);
@@ -248,7 +240,7 @@ std::string maxima_text(const Results& results) {
   };
   std::string text = fmt::format("von Mises {} in {} at {}; principal {} to {}; displacement {}",
                                  stress_text(most.value), shortened_name(results.bodies[stressed].name, 20),
-                                 position_text(most.at), principal(bodies[pressed].body.compression.value),
+                                 position_text(most.at, 3), principal(bodies[pressed].body.compression.value),
                                  principal(bodies[pulled].body.tension.value), in_unit(moved, length_unit(moved), 4));
   if (const auto factor = safety_factor(results)) text += "; yield / von Mises " + short_number(*factor, 3);
   return text;

@@ -14,7 +14,6 @@
 
 namespace cgcontact {
 
-/// Fields of one body; `cell` is an active cell, xi the cell coordinates in [-1,1]^3.
 /// How a rigid body has moved, and the moments on it.
 struct RigidFigures {
   Vec3 centre = Vec3::Zero();                                                  ///< m, centroid of its volume
@@ -23,6 +22,7 @@ struct RigidFigures {
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N m, moments about the centre
 };
 
+/// Fields of one body; `cell` is an active cell, xi the cell coordinates in [-1,1]^3.
 struct BodyFields {
   std::string name;
   const CutCells* cut_cells = nullptr;

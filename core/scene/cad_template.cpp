@@ -9,6 +9,7 @@
 #include <map>
 
 #include "core/base/errors.hpp"
+#include "core/base/rounding.hpp"
 #include "core/bodies/cad_body.hpp"
 #include "core/scene/scene_mesh.hpp"
 
@@ -94,7 +95,7 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
 
 /// Formats a vector; components that are rounding beside `size` are zero.
 std::string vector(const Vec3& v, double size) {
-  const Vec3 clean = v.unaryExpr([&](double x) { return std::abs(x) < 1e-9 * size ? 0 : x; });
+  const Vec3 clean = without_rounding(v, size);
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", clean[0], clean[1], clean[2]);
 }
 

@@ -13,7 +13,7 @@
 namespace cgcontact {
 namespace {
 
-/// Patches that are listed, fitted and constrained at a time. From 256 to all at once the time is the same within 3 %
+/// Patches that are listed, fitted and constrained at a time. From 256 to all at once the time is the same within 4 %
 /// (docs/decisions.md); this many fill the lanes and threads and take 45 MB where all are coupled and of degree 2.
 constexpr std::size_t patches_per_chunk = 4096;
 

@@ -40,7 +40,7 @@ class Accuracy(unittest.TestCase):
         self.assertEqual(accuracy["solves"][-1]["pressure"], pair["pressure_error_estimate"])
         error = run["pressure_error"][0]["sprc"] if true_error is None else true_error
         self.assertLessEqual(error, target)
-        # In the mean the estimate is 1.7 times the true error (docs/adaptivity.md); a single run may lie a little below.
+        # In the mean the estimate is 1.6 to 5.4 times the true error (docs/adaptivity.md); single runs may lie below.
         self.assertLess(error, 1.3 * pair["pressure_error_estimate"])
 
     def check_largest_pressure(self, run, exact):

@@ -2,9 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.hpp"
+#include "tests/support/run_tests.hpp"
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const cgcontact::KokkosScope kokkos(0);
-  return RUN_ALL_TESTS();
+  return run_tests();
 }

@@ -358,14 +358,6 @@ std::string palette() {
   return pack_bytes(bytes);
 }
 
-/// "(1.2, 0, 3) mm"
-std::string position_text(const Vec3& x) {
-  const double size = x.cwiseAbs().maxCoeff();
-  const DisplayUnit unit = length_unit(size);
-  const auto number = [&](int k) { return short_number(std::abs(x[k]) <= 1e-9 * size ? 0 : x[k] * unit.factor); };
-  return fmt::format("({}, {}, {}) {}", number(0), number(1), number(2), unit.name);
-}
-
 std::string note_on_size(std::size_t drawn, std::size_t all, int largest_block) {
   std::string text;
   if (drawn < all)

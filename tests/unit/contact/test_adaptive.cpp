@@ -4,11 +4,15 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
+#include "contact/adaptive/displacement_error.hpp"
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
 #include "contact/adaptive/next_grid.hpp"
+#include "contact/adaptive/singular_points.hpp"
 #include "contact/adaptive/two_grid_estimate.hpp"
+#include "contact/adaptive/zone_sizes.hpp"
 #include "contact/adaptive_run.hpp"
 #include "tests/support/run_scene.hpp"
 
@@ -155,6 +159,194 @@ force = )" + std::to_string(target) + "\n",
       EXPECT_LT(*estimate, target);
       EXPECT_LT(std::abs(error), *estimate);
     }
+}
+
+/// The sizes of closed groups reach the target, as errors fall with the size, with the fewest cells: by Lagrange's rule
+/// a little more error saves as many cells everywhere, so that error^2 ratio^4 is the same in all groups (cells on a
+/// face go with 1 / ratio^2, squared errors with ratio^2).
+TEST(ZoneSizes, ReachTheTargetWithTheFewestCells) {
+  const Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/tests/scenes/gap.toml", {});
+  Simulation simulation(scene);
+  simulation.set_up_grids();
+  const ContactPair& pair = simulation.state.pairs[0];
+  const double target = 0.1, p = 1e6;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0.5, 2);
+  Results results;
+  ZoneState zone;
+  std::vector<double> squared;  // errors of the groups
+  double norm = 0;
+  for (const ContactGroup& group : pair.groups) {
+    ContactRow row;
+    row.body = group.body;
+    row.cell = group.cell;
+    row.weight = group.area;
+    row.pressure_sprc = p;
+    const double share =
+        0.8 / static_cast<double>(pair.groups.size());  // of the face: the sizes stay within their limits
+    squared.push_back(uniform(random) * target * target * p * p * share);
+    row.pressure_error = std::sqrt(squared.back() / group.area);
+    norm += row.weight * p * p;
+    results.contact_rows.push_back(row);
+    zone.balls.push_back({centre_of(pair, group), 0.1, 0.3});
+  }
+  EXPECT_NEAR(norm, 0.8 * p * p, 1e-9 * p * p);
+  size_by_error(simulation.state, results, 0, target, zone);
+  double sum = 0;
+  for (std::size_t g = 0; g < squared.size(); ++g) {
+    const double ratio = zone.balls[g].size / 0.3;
+    ASSERT_GT(ratio, 0.5);
+    ASSERT_LT(ratio, 1.9);
+    sum += squared[g] * ratio * ratio;
+    EXPECT_NEAR(squared[g] * std::pow(ratio, 4) / (squared[0] * std::pow(zone.balls[0].size / 0.3, 4)), 1, 1e-9);
+  }
+  EXPECT_NEAR(std::sqrt(sum / norm) / target, 1, 1e-9);
+}
+
+/// The middle of groups, weighted by their area, is that of the face.
+TEST(ZoneSizes, CentresOfGroupsMakeUpThatOfTheFace) {
+  const Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/tests/scenes/gap.toml", {});
+  Simulation simulation(scene);
+  simulation.set_up_grids();
+  ContactPair& pair = simulation.state.pairs[0];
+  Vec3 sum = Vec3::Zero();
+  for (const ContactGroup& group : pair.groups) sum += group.area / 0.8 * centre_of(pair, group);
+  EXPECT_LT((sum - Vec3(0.5, 0.4, 0.6)).norm(), 1e-12);
+  for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, false);
+  const ContactGroup& last = pair.groups.back();
+  pair.points.set_active(last.last_point - 1, true);
+  for (const ContactGroup& group : pair.groups) EXPECT_EQ(is_closed(pair, group), &group == &last);
+}
+
+/// A resolved zone whose error misses the target gets cells with which it is `aim` of that; one that is not resolved
+/// gets `middle_cells` over half its width, counted one cell too wide at most.
+TEST(ZoneSizes, OfTheNextGridFollowErrorOrWidth) {
+  const AccuracyOptions options;
+  ZoneState zone;
+  zone.cell = 0.1;
+  EXPECT_EQ(next_size_ratio(zone, 0.5, 0.01, options), 1) << "it does not matter";
+  zone.relevant = zone.resolved = true;
+  zone.error = 0.05;
+  EXPECT_EQ(next_size_ratio(zone, 0.05, {}, options), 1) << "nothing is asked";
+  EXPECT_EQ(next_size_ratio(zone, 0.05, 0.06, options), 1);
+  const double ratio = next_size_ratio(zone, 0.05, 0.02, options);
+  EXPECT_NEAR(zone.error * std::pow(ratio, options.rate), options.aim * 0.02, 1e-12);
+  EXPECT_EQ(next_size_ratio(zone, 0.05, 1e-9, options), 1 / options.max_change);
+  EXPECT_EQ(next_size_ratio(zone, 0.05, 0.0499, options), 1 / options.min_change);
+  zone.resolved = false;
+  EXPECT_EQ(next_size_ratio(zone, 0.05, {}, options), 1 / options.max_change);
+  zone.width = 0.2;
+  zone.narrowed = true;
+  EXPECT_NEAR(0.5 * 0.2 / (0.1 * next_size_ratio(zone, 0.05, {}, options)), options.middle_cells, 1e-12);
+  zone.narrowed = false;
+  EXPECT_NEAR(0.5 * 0.3 / (0.1 * next_size_ratio(zone, 0.05, {}, options)), options.middle_cells, 1e-12);
+  zone.width.reset();
+  zone.needed = 0.1 / 20;
+  EXPECT_NEAR(next_size_ratio(zone, 0.05, {}, options), 0.05, 1e-15);
+}
+
+/// Twice the square of the energy norm's error; against a solve with twice that error, whose own is four times as
+/// large, a third of the change. Where errors hardly fall the change counts three times.
+TEST(DisplacementErrors, FollowTheEnergyNormAndTheChange) {
+  const DisplacementState none, before{{Vec3(0, 0.7, 0), Vec3(0, 0, 1), Vec3::Zero()}, 0.2},
+      now{{Vec3(0, 1, 0), Vec3(0, 0, 1.001), Vec3::Zero()}, 0.1}, no_better{before.values, 0.1};
+  const std::vector<double> alone = displacement_errors(now, none), compared = displacement_errors(now, before);
+  for (const double error : alone) EXPECT_NEAR(error, 0.02, 1e-15);
+  ASSERT_EQ(compared.size(), 3u);
+  EXPECT_NEAR(compared[0], 0.1, 1e-15);
+  EXPECT_NEAR(compared[1], 0.02, 1e-15) << "the change is less";
+  EXPECT_NEAR(compared[2], 0.02, 1e-15) << "no displacement has no relative change";
+  EXPECT_NEAR(displacement_errors(now, no_better)[0], 0.9, 1e-14);
+}
+
+/// A bar under tension p: the mean over its end, and the largest displacement, at a corner of the end, which no
+/// boundary point reaches quite.
+TEST(DisplacementErrors, AreOfTheDisplacementsThatTargetsName) {
+  const auto solved = test::run_text(R"(
+[[body]]
+name = "bar"
+shape = {box = {min = [0, 0, 0], max = [0.5, 0.4, 1]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.13
+grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
+[[support]]
+face = "bar.x-"
+symmetry = true
+[[support]]
+face = "bar.y-"
+symmetry = true
+[[support]]
+face = "bar.z-"
+symmetry = true
+[[load]]
+face = "bar.z+"
+pressure = -200e6
+)");
+  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  solved->scene.accuracy.named = {{NamedTarget::Kind::pressure, "some pair", 0.1},
+                                  {NamedTarget::Kind::displacement, "largest", 0.1},
+                                  {NamedTarget::Kind::displacement, "bar.z+", 0.1}};
+  solved->scene.accuracy_faces["bar.z+"] = solved->scene.loads[0].face;
+  const std::vector<Vec3> named = named_displacements(solved->simulation->state);
+  ASSERT_EQ(named.size(), 2u);
+  const double e = 1e-3, nu = 0.3, corner = e * Vec3(-nu * 0.5, -nu * 0.4, 1).norm();
+  EXPECT_LT(named[0][0], corner);
+  EXPECT_GT(named[0][0], 0.98 * corner);
+  EXPECT_EQ(named[0].tail<2>().norm(), 0);
+  EXPECT_LT((named[1] - e * Vec3(-nu * 0.25, -nu * 0.2, 1)).norm(), 1e-9 * e);
+}
+
+/// Energies of a cube of n^3 cells under a stress that depends on the distance from its middle, which is that of a cell
+/// on every grid of an odd number of cells. error: of the energy norm, relative, within two cells from the middle.
+template <class Stress>
+CellEnergies energies_around_the_middle(int n, double error, const Stress& stress) {
+  CellEnergies cells;
+  const double h = 1.0 / n;
+  for (int c = 0; c < n * n * n; ++c) {
+    cells.x.push_back(h * Vec3(c % n + 0.5, c / n % n + 0.5, c / (n * n) + 0.5));
+    cells.h.push_back(h);
+    cells.fraction.push_back(1);
+    cells.volume.push_back(h * h * h);
+    const double r = (cells.x.back() - Vec3::Constant(0.5)).norm();
+    cells.energy.push_back(std::pow(stress(std::max(r, 0.5 * h)), 2) * cells.volume.back());
+    cells.error.push_back(std::pow(r < 2 * h ? error : 0.01, 2) * cells.energy.back());
+  }
+  return cells;
+}
+
+/// On three grids, each of a third of the cells of the one before, a stress r^-a grows around r = 0 like h^-a, as the
+/// cells there are alike. What is finite, or what the last solve has without an error, is not singular.
+TEST(SingularPoints, AreWhereTheStressGrowsWithoutEnd) {
+  const Scene scene = parse_scene(R"(
+[[body]]
+name = "cube"
+shape = {box = {min = [0, 0, 0], max = [1, 1, 1]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.3
+[[support]]
+face = "cube.z-"
+symmetry = true
+)",
+                                  "scene.toml");
+  Simulation simulation(scene);
+  simulation.state.bodies = make_body_models(scene);
+  const auto points = [&](double error, const std::function<double(double)>& stress) {
+    std::vector<std::vector<CellEnergies>> solves;
+    for (const int n : {3, 9, 27}) solves.push_back({energies_around_the_middle(n, error, stress)});
+    return singular_points(simulation.state, solves);
+  };
+  for (const double a : {0.3, 0.5}) {
+    const auto stress = [a](double r) { return std::pow(r, -a); };
+    const std::vector<SingularPoint> found = points(0.4, stress);
+    ASSERT_EQ(found.size(), 1u) << a;
+    EXPECT_EQ(found[0].body, "cube");
+    EXPECT_LT((found[0].x - Vec3::Constant(0.5)).norm(), 1e-12);
+    EXPECT_NEAR(found[0].exponent, a, 1e-9);
+    EXPECT_NEAR(found[0].cell, 1.0 / 27, 1e-12);
+    EXPECT_NE(describe(found[0]).find("body \"cube\": the stress at (0.5, 0.5, 0.5) m"), std::string::npos);
+    EXPECT_TRUE(points(0.1, stress).empty()) << "its error is small";
+  }
+  EXPECT_TRUE(points(0.4, [](double r) { return std::pow(std::max(r, 0.3), -0.5); }).empty()) << "finite";
 }
 
 /// An error that is no number is worse than any: not reached, whichever figure it is of and whichever pair it comes

@@ -1,6 +1,8 @@
 /// Pairs that are tightened to a force: the force is there, the interference that gives it is the one known.
 #include <gtest/gtest.h>
 
+#include "contact/preparation.hpp"
+#include "contact/solve/preload.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_preload {
@@ -72,6 +74,42 @@ TEST(Preload, StartsFromWhatOtherGridsHad) {
   EXPECT_EQ(solves(first), 2);
   second.start_preloads_from(first);
   EXPECT_EQ(solves(second), 1);
+}
+
+/// Two pairs in a row whose forces both follow both interferences, F = K d: Broyden's method ends after twice as many
+/// steps as there are pairs, after the first one in proportion. The forces are given here, nothing is solved.
+TEST(Preload, OfTwoPairsThatDependOnEachOther) {
+  std::string text = bars("preload = 5e3\n", R"(
+[[body]]
+name = "last"
+shape = {box = {min = [0, 0, 1.3], max = [0.5, 0.4, 1.8]}}
+material = {E = 70e9, nu = 0.2}
+cell_size = 0.15
+[[contact]]
+faces = ["upper.z+", "last.z-"]
+preload = 3e3
+)");
+  const std::string held = "[[support]]\nface = \"upper.z+\"\nsymmetry = true\n";
+  text.erase(text.find(held), held.size());
+  const Scene scene = parse_scene(text, "scene.toml");
+  const Preparation p = discretise(scene);
+  ASSERT_EQ(p.pairs.size(), 2u);
+  Preload preload(scene);
+  EXPECT_TRUE(preload.any());
+  preload.begin(p.bodies, p.pairs);
+  Eigen::Matrix2d K;  // N/m
+  K << 2e9, 0.5e9, 0.5e9, 1e9;
+  const auto forces = [&] {
+    const Eigen::Vector2d f = K * Eigen::Vector2d(preload.tightening(p.pairs[0]), preload.tightening(p.pairs[1]));
+    return std::vector<double>{f[0], f[1]};
+  };
+  int steps = 0;
+  while (preload.tighten(p.pairs, forces())) ASSERT_LE(++steps, 5);
+  EXPECT_GT(steps, 1);
+  EXPECT_NEAR(forces()[0] / 5e3, 1, 1e-6);
+  EXPECT_NEAR(forces()[1] / 3e3, 1, 1e-6);
+  const Eigen::Vector2d exact = K.inverse() * Eigen::Vector2d(5e3, 3e3);
+  for (int k = 0; k < 2; ++k) EXPECT_NEAR(preload.tightening(p.pairs[k]) / exact[k], 1, 1e-5);
 }
 
 /// A quarter of a ball between plates: its zone, smaller than the cells, grows with the force (F ~ d^1.5).

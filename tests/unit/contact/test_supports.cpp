@@ -1,6 +1,8 @@
 /// Supports about an axis, springs to the ground and rotated faces, held to states that the elements have exactly.
 #include <gtest/gtest.h>
 
+#include "contact/model/held_directions.hpp"
+#include "contact/preparation.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 
@@ -103,6 +105,46 @@ rotation = {axis = [0, 0, 2], angle = 0.01, centre = [0.1, 0.2, 5]}
     moment += x.cross(p.weight * state.outer.support_stress[s] * p.direction)[2];
   }
   EXPECT_NEAR(moment / (G * pi * std::pow(0.3, 4) / 2 * theta / L), 1, 1e-9);
+}
+
+/// Radial, tangential and axial are right-handed about the axis that the scene gives, with their values at the point;
+/// springs of a whole face are shared out over its area (a round one, integrated to 1e-9).
+TEST(HeldDirections, AreThoseOfThePointAndOfTheFace) {
+  const Scene scene = parse_scene(cylinder(R"(
+[[support]]
+face = "rod.side"
+cylindrical = {radial = "1e-4*x", tangential = 2e-4, axial = 3e-4, point = [0.1, 0.2, 9], axis = [0, 0, 2]}
+[[support]]
+face = "rod.bottom"
+spring = 5e8
+[[support]]
+face = "rod.top"
+displacement = {x = 1e-5, z = "y", normal = 4e-5}
+)",
+                                           turned),
+                                  "scene.toml");
+  const Preparation p = discretise(scene);
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  const Vec3 x(0.1 + 0.3 * c, 0.2 + 0.3 * s, 0.1), n(c, s, 0);
+  const auto held = [&](int support, const Vec3& normal) { return held_at(scene, p.bodies[0], support, x, normal); };
+  const auto expect_held = [](const HeldDirection& h, Held component, const Vec3& direction, double value,
+                              double stiffness) {
+    EXPECT_EQ(h.component, component);
+    EXPECT_LT((h.direction - direction).norm(), 1e-14);
+    EXPECT_NEAR(h.value, value, 1e-16);
+    EXPECT_NEAR(h.stiffness, stiffness, 1e-8 * stiffness);
+  };
+  const std::vector<HeldDirection> side = held(0, n), bottom = held(1, -Vec3::UnitZ()), top = held(2, Vec3::UnitZ());
+  ASSERT_EQ(side.size(), 3u);
+  expect_held(side[0], Held::radial, n, 1e-4 * x[0], 0);
+  expect_held(side[1], Held::tangential, Vec3(-s, c, 0), 2e-4, 0);
+  expect_held(side[2], Held::axial, Vec3::UnitZ(), 3e-4, 0);
+  ASSERT_EQ(bottom.size(), 1u);
+  expect_held(bottom[0], Held::normal, -Vec3::UnitZ(), 0, 5e8 / (pi * 0.09));
+  ASSERT_EQ(top.size(), 3u);
+  expect_held(top[0], Held::normal, Vec3::UnitZ(), 4e-5, 0);
+  expect_held(top[1], Held::x, Vec3::UnitX(), 1e-5, 0);
+  expect_held(top[2], Held::z, Vec3::UnitZ(), x[1], 0);
 }
 
 /// A block of 0.5 x 0.4 x 1 m on springs.
