@@ -227,7 +227,7 @@ class Python(unittest.TestCase):
                 opened.append(pathlib.Path(urllib.parse.unquote(urllib.parse.urlsplit(address).path)))
                 return True
             webbrowser.open = browse
-            result = cgcontact.read({file!r}, {{"output.view": False, "title": "Äpfel & <Birnen>"}}, n=4).solve()
+            result = cgcontact.read({file!r}, {{"output.plots": False, "title": "Äpfel & <Birnen>"}}, n=4).solve()
             result.write("with blank")
             stored = cgcontact.load("with blank")
             assert result.show() is None and stored.show() is None
