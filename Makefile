@@ -8,6 +8,7 @@
 #   make tsan       BACKEND=openmp with the thread sanitizer (clang; needs make trilinos-openmp)
 #   make fuzz       RUNS (100000) executions of each fuzz target with libFuzzer and sanitizers
 #   make python         build the Python module and say how to use it
+#   make wheel          build a wheel of the Python module for this machine, dist/cgcontact-*.whl
 #   make install PREFIX=DIR   program, library and documents into DIR (default /usr/local)
 #   make docs       reference of the library in build/docs/html (needs doxygen, which it installs)
 #   make format     format the sources; format-check, tidy: complain only
@@ -29,8 +30,8 @@ folders := core kernels recovery contact python perf tests
 sources = $(shell find $(folders) -name '*.[ch]pp')
 
 .NOTPARALLEL:
-.PHONY: all build configure demo test python trilinos-openmp asan tsan fuzz install docs format format-check tidy clean deps \
-  deps-test deps-docs deps-format
+.PHONY: all build configure demo test python wheel trilinos-openmp asan tsan fuzz install docs format format-check tidy clean \
+  deps deps-test deps-docs deps-format deps-wheel
 all: build
 
 deps:
@@ -41,6 +42,8 @@ deps-docs:
 	@scripts/install_dependencies.sh --docs
 deps-format:
 	@scripts/install_dependencies.sh --format
+deps-wheel:
+	@scripts/install_dependencies.sh --wheel
 
 configure: deps
 	@cmake --preset $(BACKEND) --log-level=WARNING
@@ -61,6 +64,9 @@ test: deps-test build
 python: configure
 	@cmake --build --preset $(BACKEND) --target cgcontact_python
 	@echo "PYTHONPATH=$(CURDIR)/$(build)/python python3 -c 'import cgcontact'    (docs/python.md)"
+
+wheel: deps-wheel configure
+	@cmake --build --preset $(BACKEND) --target wheel
 
 trilinos-openmp:
 	@scripts/build_trilinos_openmp.sh
@@ -104,4 +110,4 @@ tidy: configure
 	@$(CLANG_TIDY) -p build/tidy --quiet --extra-arg=-Wno-unknown-warning-option $(shell find core kernels recovery contact -name '*.cpp')
 
 clean:
-	rm -rf build/serial build/openmp build/asan build/tsan build/fuzz build/tidy build/docs out
+	rm -rf build/serial build/openmp build/asan build/tsan build/fuzz build/tidy build/docs out dist

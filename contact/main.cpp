@@ -14,6 +14,7 @@
 
 #include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
+#include "contact/model/memory.hpp"
 #include "contact/nested_run.hpp"
 #include "contact/results/postprocess.hpp"
 #include "contact/simulation.hpp"
@@ -123,6 +124,9 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   if (!threads_warning.empty()) progress.warning(threads_warning);
   AdaptiveCallbacks callbacks;
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
+  callbacks.memory = [&](double expected) {
+    if (const std::string text = forecast_text(expected); !text.empty()) progress.message(text);
+  };
   callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
   callbacks.solved = [&](int number, const SolveFigures& solve) { progress.message(describe(number, solve)); };
   ResultWriter writer(scene, directory);

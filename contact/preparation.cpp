@@ -170,10 +170,10 @@ MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation) {
   return extras;
 }
 
-void check_memory(const Scene& scene, const Preparation& preparation) {
+double check_memory(const Scene& scene, const Preparation& preparation) {
   std::vector<BodySize> sizes;
   for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
-  check_memory(scene, sizes, memory_extras(scene, preparation));
+  return check_memory(scene, sizes, memory_extras(scene, preparation));
 }
 
 Preparation discretise(const Scene& scene, bool refuse_near_limit) {

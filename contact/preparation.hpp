@@ -34,7 +34,7 @@ double count_contact_rows(const Preparation& preparation);
 /// Returns, for the expected memory, points of the pairs and rows of the results.
 MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation);
 
-/// Throws InputError if a run of the scene would not fit into memory.
-void check_memory(const Scene& scene, const Preparation& preparation);
+/// Returns the memory that a run is expected to take. Throws InputError if it would not fit.
+double check_memory(const Scene& scene, const Preparation& preparation);
 
 }  // namespace cgcontact

@@ -122,6 +122,7 @@ void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* ear
 }
 
 void Simulation::solve_system(const ProgressCallbacks& progress, const SolvedState* earlier) {
+  progress.memory(expected_memory_);
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
   phase("solve", [&] { solve_steps(progress, earlier); });
@@ -350,7 +351,7 @@ void Simulation::set_up_grids() {
           body.name, body.material.poisson_ratio));
   }
   Preparation p = prepare(state.scene);
-  check_memory(state.scene, p);
+  expected_memory_ = check_memory(state.scene, p);
   state.bodies = std::move(p.bodies);
   for (const BodyModel& body : state.bodies)
     if (const auto [thickness, free_thickness] = thickness_in_cells(body);

@@ -10,10 +10,12 @@
 
 namespace cgcontact {
 
-/// Called when a phase starts (seconds = 0) or ends, after every outer iteration, and after each step of [steps] but
-/// the last one, with its number from 0, its fields, contact rows and pairs, valid until the next step begins.
+/// Called when a phase starts, before the solve with the memory (bytes) that the run is expected to take, after every
+/// outer iteration, and after each step of [steps] but the last one, with its number from 0, its fields, contact rows
+/// and pairs, valid until the next step begins.
 struct ProgressCallbacks {
   std::function<void(const std::string& phase)> phase = [](const std::string&) {};
+  std::function<void(double expected)> memory = [](double) {};
   std::function<void(const OuterStep&)> step = [](const OuterStep&) {};
   std::function<void(std::size_t number, const Results&)> load_step = [](std::size_t, const Results&) {};
 };
@@ -64,6 +66,7 @@ class Simulation {
 
   ExecSpace exec_;  ///< what kernels run on
   Preload preload_;
+  double expected_memory_ = 0;  ///< bytes
 };
 
 }  // namespace cgcontact

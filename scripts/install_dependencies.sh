@@ -5,6 +5,7 @@
 #   scripts/install_dependencies.sh --test     what the tests use as well, and ccache
 #   scripts/install_dependencies.sh --docs     doxygen as well
 #   scripts/install_dependencies.sh --format   clang-format as well
+#   scripts/install_dependencies.sh --wheel    what make wheel uses as well
 #   scripts/install_dependencies.sh --fuzz     clang with libFuzzer as well
 #   scripts/install_dependencies.sh --tsan     clang with its OpenMP and thread sanitizer as well
 #   scripts/install_dependencies.sh --trilinos what build_trilinos_openmp.sh uses as well
@@ -26,14 +27,15 @@ packages=(
 for option in "$@"; do
   case "$option" in
     --test) packages+=(ccache python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio
-      python3-pandas groff-base
+      python3-pandas python3-pip python3-wheel groff-base
       chromium chromium-driver python3-selenium) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
+    --wheel) packages+=(python3-wheel) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
     --tsan) packages+=(clang-14 libclang-rt-14-dev libomp-14-dev) ;;
     --trilinos) packages+=(dpkg-dev xz-utils libblas-dev liblapack-dev) ;;
-    *) echo "usage: $0 [--test] [--docs] [--format] [--fuzz] [--tsan] [--trilinos]" >&2; exit 1 ;;
+    *) echo "usage: $0 [--test] [--docs] [--format] [--wheel] [--fuzz] [--tsan] [--trilinos]" >&2; exit 1 ;;
   esac
 done
 

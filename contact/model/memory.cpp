@@ -16,7 +16,7 @@ namespace {
 /// Cells of the coarse grid from which sizes are estimated, and of the finer one where that is near the limit: a second
 /// or two, sizes within some 3 %, most below 1 %.
 constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 25;
-/// So near, as a factor.
+/// So near, as a factor; by less than it runs exceed their forecasts too (docs/faq.md, "Time and memory").
 constexpr double near_limit = 1.4;
 /// Fraction of the available memory for which a cell size is advised: sizes scale with the cells to that.
 constexpr double safe_fraction = 0.8;
@@ -113,10 +113,16 @@ void check_memory_early(const Scene& scene, bool near_limit_too) {
   }
 }
 
-void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
+std::string forecast_text(double expected) {
+  const MemoryBudget budget = memory_budget();
+  if (!std::isfinite(budget.bytes) || (!budget.given && expected * near_limit < budget.bytes)) return "";
+  return fmt::format("memory: about {} of {} ({})", memory_text(expected), memory_text(budget.bytes), budget.source);
+}
+
+double check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   const MemoryBudget budget = memory_budget();
   const double expected = expected_memory(bodies, extras);
-  if (expected <= budget.bytes) return;
+  if (expected <= budget.bytes) return expected;
   const std::string fitting = fitting_cells(scene, bodies, extras, budget.bytes);
   throw InputError(fmt::format(
       "{}: needs about {} of memory, and there are {} ({}); {}; {}--memory-limit overrides this", scene.file,

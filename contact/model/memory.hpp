@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -41,12 +42,16 @@ MemoryExtras memory_extras(const Scene& scene);
 /// Returns the expected peak memory of a run in bytes: a measured model.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras);
 
-/// Throws InputError if the expected memory is more than there is (memory_budget), and names the cell sizes that would
-/// fit.
-void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras);
+/// Returns the expected memory. Throws InputError if it is more than there is (memory_budget), and names the cell sizes
+/// that would fit.
+double check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras);
 
 /// Checks before any cells are made, by estimated sizes: what is too large by far is refused at once, what is too large
 /// by little within a second or two.
 void check_memory_early(const Scene& scene, bool near_limit_too);
+
+/// Says how much of the memory that there is a run is expected to take, if the user has set a limit or the system's is
+/// near; else empty.
+std::string forecast_text(double expected);
 
 }  // namespace cgcontact

@@ -79,7 +79,7 @@ double agreed_bytes = -1;
 
 MemoryBudget budget_of_process() {
   if (const char* given = std::getenv("CGCONTACT_MEMORY_LIMIT"))
-    return {parse_limit(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says", ""};
+    return {parse_limit(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says", "", true};
   MemoryBudget budget{1024 * number_after("/proc/meminfo", "MemAvailable:", infinite), "free on this machine", ""};
   const double in_group = group_memory(own_control_groups(), "/sys/fs/cgroup");
   if (in_group < budget.bytes) budget = {in_group, "left by the limit of the control group (container, job)", ""};

@@ -10,6 +10,7 @@ struct MemoryBudget {
   double bytes = 0;    ///< that can still be used; infinite if nothing limits
   std::string source;  ///< what limits it, for messages
   std::string remedy;  ///< how to have more, or empty
+  bool given = false;  ///< by the user, as a limit
 };
 
 /// Returns the least of: available memory of the system (without swap), what the control group of this process and

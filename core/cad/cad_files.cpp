@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 
+#include "core/base/types.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {
@@ -18,6 +21,14 @@ CadFormat cad_format(const std::string& file) {
 const std::vector<std::string>& cad_kinds() {
   static const std::vector<std::string> kinds{"plane", "cylinder", "cone", "sphere", "torus", "other"};
   return kinds;
+}
+
+std::string cad_size_text(const CadFace& face, double mm, const std::string& unit) {
+  if (face.kind == "torus")
+    return fmt::format("ring radius {:.6g} {}, tube radius {:.6g} {}", face.ring_radius * mm, unit, face.radius * mm,
+                       unit);
+  if (face.kind == "cone") return fmt::format("half-angle {:.6g} degrees", face.half_angle / radians_per_degree);
+  return face.radius > 0 ? fmt::format("radius {:.6g} {}", face.radius * mm, unit) : "";
 }
 
 CadModel::CadModel(std::shared_ptr<const Shape> shape, std::vector<CadFace> faces)

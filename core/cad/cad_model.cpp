@@ -97,7 +97,7 @@ CadFace describe_face(const TopoDS_Face& face) {
     case GeomAbs_Torus:
       result.kind = "torus";
       result.radius = shape.Torus().MinorRadius();
-      result.major_radius = shape.Torus().MajorRadius();
+      result.ring_radius = shape.Torus().MajorRadius();
       result.axis = vector_of(shape.Torus().Axis().Direction().XYZ());
       break;
     default:
@@ -112,7 +112,7 @@ std::string cad_face_text(const CadFace& face, int number) {
   std::string text = fmt::format("face {}", number);
   if (!face.name.empty()) text += fmt::format(" \"{}\"", printable(face.name));
   text += " (" + (face.kind == "other" ? std::string("free-form") : face.kind);
-  if (face.radius > 0) text += fmt::format(" of radius {:.6g} mm", face.radius);
+  if (const std::string sizes = cad_size_text(face, 1, "mm"); !sizes.empty()) text += " of " + sizes;
   return text + fmt::format(") at ({:.6g}, {:.6g}, {:.6g}) mm", face.middle[0], face.middle[1], face.middle[2]);
 }
 

@@ -20,8 +20,8 @@ struct CadFace {
   std::optional<std::array<int, 3>> colour;  ///< red, green, blue, 0 to 255
   std::string kind;                          ///< plane, cylinder, cone, sphere, torus, other
   double area = 0;                           ///< mm^2
-  double radius = 0;                         ///< mm: cylinder, sphere, small one of a torus
-  double major_radius = 0;                   ///< mm: torus
+  double radius = 0;                         ///< mm: cylinder, sphere, tube of a torus
+  double ring_radius = 0;                    ///< mm: torus
   double half_angle = 0;                     ///< radians: cone
   Vec3 middle = Vec3::Zero();                ///< mm, centroid of the face
   Vec3 axis = Vec3::Zero();                  ///< unit: outward normal of a plane, axis of the others
@@ -30,6 +30,9 @@ struct CadFace {
 
 /// Returns the kinds that a face may have.
 const std::vector<std::string>& cad_kinds();
+/// Formats "radius 5 mm", "ring radius 30 mm, tube radius 10 mm", "half-angle 20 degrees"; empty: of a face of another
+/// kind. `mm`: a millimetre in `unit`.
+std::string cad_size_text(const CadFace& face, double mm, const std::string& unit);
 
 /// One solid. Read-only, copies share it.
 class CadModel {

@@ -25,7 +25,7 @@ void put_face(const CadFace& face, Packing& packing) {
   packing.put(face.colour.has_value());
   packing.put(face.colour.value_or(std::array<int, 3>{}));
   put_text(face.kind, packing);
-  for (const double figure : {face.area, face.radius, face.major_radius, face.half_angle}) packing.put(figure);
+  for (const double figure : {face.area, face.radius, face.ring_radius, face.half_angle}) packing.put(figure);
   packing.put(face.middle);
   packing.put(face.axis);
   packing.put(face.names.size());
@@ -41,7 +41,7 @@ CadFace take_face(Unpacking& unpacking) {
   unpacking.take(colour);
   if (coloured) face.colour = colour;
   face.kind = take_text(unpacking);
-  for (double* const figure : {&face.area, &face.radius, &face.major_radius, &face.half_angle}) unpacking.take(*figure);
+  for (double* const figure : {&face.area, &face.radius, &face.ring_radius, &face.half_angle}) unpacking.take(*figure);
   unpacking.take(face.middle);
   unpacking.take(face.axis);
   std::size_t count = 0;

@@ -278,7 +278,8 @@ std::string reference_text(const Results& results) {
   return text + fmt::format("; SPR {} {}, raw {}", whole.zone, percent(whole.spr), percent(whole.raw));
 }
 
-std::string times_text(const Results& results) {
+/// Time of the phases last: that part is cut where the screen is full.
+std::string cost_text(const Results& results) {
   std::string phases;
   double total = 0;
   for (const auto& [phase, seconds] : results.times_s) {
@@ -286,8 +287,8 @@ std::string times_text(const Results& results) {
     total += seconds;
   }
   const std::string memory = scaled(static_cast<double>(results.peak_memory_bytes), "B", 3);
-  return fmt::format("{:.2f} s ({}); {}, {} ({})", total, phases, results.ranks == 1 ? memory : memory + " per rank",
-                     processors_text(results.ranks, results.threads), results.backend);
+  return fmt::format("{:.2f} s, {} of memory{}, {} ({}): {}", total, memory, results.ranks == 1 ? "" : " per rank",
+                     processors_text(results.ranks, results.threads), results.backend, phases);
 }
 
 std::string iterations_text(const Results& results) {
@@ -384,7 +385,7 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));
   if (!results.patches_by_kind.empty() && allowance.text_lines > 2)
     append(lines, paragraph("  recovery:   ", recovery_text(results), 4));
-  if (!results.times_s.empty()) add("  time:       ", times_text(results));
+  if (!results.times_s.empty()) add("  time:       ", cost_text(results));
   append(lines, closing_lines(results, directory));
   return lines;
 }

@@ -113,7 +113,7 @@ std::string face_lines(const CadModel& model, double scale) {
     text += fmt::format("#   face{:<4} {:8.4g} m^2  {}", order[k] + 1, face.area * scale * scale,
                         face.kind == "other" ? "free-form" : face.kind);
     if (face.kind == "plane") text += ", normal " + vector(face.axis, 1);
-    if (face.radius > 0) text += fmt::format(", radius {:.6g} m", face.radius * scale);
+    if (const std::string sizes = cad_size_text(face, scale, "m"); !sizes.empty()) text += ", " + sizes;
     text += ", at " + vector(scale * face.middle, scale * size);
     if (!face.name.empty()) text += fmt::format(", called \"{}\"", face.name);
     text += "\n";

@@ -89,18 +89,19 @@ class ResultMethods:
         return pandas.DataFrame(columns)
 
     def show(self):
-        """The page of the result, report.html, in the browser; in a notebook the page itself is returned."""
+        """The page of the result, report.html, in the browser; in a notebook the page itself is returned. Raises InputError."""
         page = self._page()
         try:
             in_notebook = "IPKernelApp" in get_ipython().config
         except NameError:
             in_notebook = False
         if not in_notebook:
-            webbrowser.open(page.resolve().as_uri())
+            if not webbrowser.open(page.resolve().as_uri()):
+                raise InputError(f"no browser can be started to show {page}")
             return None
         from IPython.display import HTML
 
-        return HTML(f'<iframe srcdoc="{html.escape(page.read_text())}" width="100%" height="800"></iframe>')
+        return HTML(f'<iframe srcdoc="{html.escape(page.read_text(encoding="utf-8"))}" width="100%" height="800"></iframe>')
 
     def _page(self):
         """A file in a directory of its own, which stays for the browser."""

@@ -151,6 +151,12 @@ class Init(Inspected):
         self.assertEqual(text.count("  plane, normal"), 12)
         self.assertNotIn('.cad"', text)
 
+    def test_sizes_of_faces(self):
+        """A torus has two radii, a cone an angle."""
+        for name, size in (("torus", "torus, ring radius 0.005 m, tube radius 0.002 m, at"),
+                           ("cone", "cone, half-angle 18.4349 degrees, at")):
+            self.assertIn(size, self.scene_of(name)[1])
+
     def test_one_solid_gets_a_plate(self):
         """As a part from a mesh does: the scene asks for an accuracy, passes check and its plate moves."""
         for name in ("filleted", "lofted", "tip"):

@@ -148,6 +148,23 @@ class Memory(unittest.TestCase):
                 if not harness.SLOW_BUILD:
                     self.assertTrue(0.85 < ratio < 1.3, ratio)
 
+    def test_a_run_tells_its_memory(self):
+        """Where a limit is given the forecast of check before each solve; in the summary what it has taken."""
+        small = settings(n=8, output__plots="false")
+        needed = re.search(r"about (\d+ MB) of memory", cgcontact("check", scene("two_solids"), *small).out)[1]
+        line = f"memory: about {needed} of 1 GB (as --memory-limit or CGCONTACT_MEMORY_LIMIT says)\n"
+        for option, environment in ((["--memory-limit", "1GB"], {}), ([], {"CGCONTACT_MEMORY_LIMIT": "1GB"})):
+            outcome = cgcontact("run", scene("two_solids"), "--out", "told", *small, *option, environment=environment)
+            self.assertEqual((outcome.code, outcome.err.count(line)), (0, 1), outcome.err)
+            self.assertLess(outcome.err.index(line), outcome.err.index("solve: "))
+            self.assertRegex(outcome.out, r"\n  time: +[\d.]+ s, [\d.]+ [MG]B of memory, \d+ thread")
+        outcome = cgcontact("run", scene("two_solids"), "--out", "told", *small, "--memory-limit", "none")
+        self.assertNotIn("memory:", outcome.err)
+        outcome = cgcontact("run", scene("roller"), "--out", "solves", "--memory-limit", "1GB",
+                            *settings(accuracy__pressure='"20 %"', output__plots="false"))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertGreaterEqual(outcome.err.count("memory: about"), len(harness.report("solves")["accuracy"]["solves"]))
+
     @unittest.skipIf(harness.SLOW_BUILD, "sanitizers reserve terabytes of address space")
     def test_limit_of_the_address_space(self):
         """ulimit -v is found."""

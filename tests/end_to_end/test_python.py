@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """The Python module: the numbers of the program to the last bit, scenes from dicts, arrays and probes that agree with the fields, the
 program's messages as exceptions, Ctrl-C, and the scripts of examples/."""
+import ast
+import importlib.util
 import json
 import os
 import pathlib
@@ -24,17 +26,33 @@ def module():
     return pathlib.Path(harness.PROGRAM).parent / "python"
 
 
-def environment():
-    return {**os.environ, "PYTHONPATH": str(module()), "MPLBACKEND": "Agg"}
+def environment(folder=None):
+    return {**os.environ, "PYTHONPATH": str(folder or module()), "MPLBACKEND": "Agg"}
 
 
-def python(code, **values):
-    """Runs code with the module; what it prints."""
+def python(code, folder=None, **values):
+    """Runs code with the module, of another folder than the build's if one is given; what it prints."""
     code = "import json, sys, cgcontact, numpy as np\n" + textwrap.dedent(code).format(**values)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=False)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(folder), check=False)
     if done.returncode != 0:
         raise AssertionError(done.stderr)
     return done.stdout
+
+
+def declared(node, classes):
+    """Public names of a class or module of a .pyi, with the arguments of its functions, None for others."""
+    found = {}
+    for base in getattr(node, "bases", []):
+        found.update(declared(classes[base.id], classes) if base.id in classes else {})
+    for part in node.body:
+        if isinstance(part, ast.FunctionDef):
+            arguments = [*part.args.args, *filter(None, [part.args.kwarg])]
+            found[part.name] = None if part.decorator_list else [each.arg for each in arguments if each.arg != "self"]
+        elif isinstance(part, ast.ClassDef):
+            found[part.name] = None
+        elif isinstance(part, ast.AnnAssign):
+            found[part.target.id] = None
+    return {name: arguments for name, arguments in found.items() if name[0] != "_"}
 
 
 class Python(unittest.TestCase):
@@ -92,12 +110,13 @@ class Python(unittest.TestCase):
                     self.assertEqual([f"{value:.10g}" for value in row], line.split(",")[2:])
 
     def test_a_dict_is_a_scene(self):
-        """Two cubes under uniform pressure: E eps = p exactly, in a scene of dicts with a NumPy array in it."""
+        """Two cubes under uniform pressure: E eps = p exactly, in a scene of dicts with a NumPy array in it. A number that replaces
+        "1 MPa" is in Pa."""
         printed = python("""
             cube = lambda name, z: dict(name=name, shape=dict(box=dict(min=[0, 0, z], max=np.array([1., 1., z + 1]))),
                                         material=dict(E=2e9, nu=0), cell_size=0.3, grid=dict(offset=[0.3, 0.2, 0.1]))
             scene = cgcontact.scene(dict(
-                title="cubes", parameters=dict(p=1e6), body=[cube("low", 0), cube("high", 1)],
+                title="cubes", parameters=dict(p="1 MPa"), body=[cube("low", 0), cube("high", 1)],
                 support=[dict(face="low.box.z-", displacement=dict(z=0)),
                          *(dict(face=b + ".box." + f, symmetry=True) for b in ("low", "high") for f in ("x-", "y-"))],
                 load=[dict(face="high.box.z+", pressure="p")],
@@ -175,6 +194,94 @@ class Python(unittest.TestCase):
             print(len([w for w in told if w.category is cgcontact.NotConverged]))
             """, file=str(scene("two_solids_3d")))
         self.assertEqual(printed.strip(), "3")
+
+    def test_types(self):
+        """__init__.pyi has every public name with its arguments, and no other."""
+        actual = json.loads(python("""
+            import inspect, pickle
+            def arguments(value):
+                try:
+                    return list(inspect.signature(value).parameters) if inspect.isroutine(value) else None
+                except ValueError:  # compiled
+                    return None
+            result = cgcontact.read({file!r}, n=4).solve()
+            things = [cgcontact, cgcontact.read({file!r}), result, pickle.loads(pickle.dumps(result))]
+            json.dump([{{name: arguments(getattr(thing, name)) for name in dir(thing) if name[0] != "_"}} for thing in things],
+                      sys.stdout)
+            """, file=str(scene("two_solids"))))
+        tree = ast.parse((module() / "cgcontact" / "__init__.pyi").read_text())
+        classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+        for found, node in zip(actual, (tree, *(classes[name] for name in ("Scene", "Result", "StoredResult"))), strict=True):
+            expected = declared(node, classes)
+            self.assertEqual(set(expected), set(found))
+            for name, arguments in found.items():
+                if arguments is not None:
+                    self.assertEqual(expected[name], arguments, name)
+
+    def test_show(self):
+        """The page of a solve or a directory opens in the browser, and is returned in a notebook; what cannot be shown is told."""
+        printed = python("""
+            import builtins, html, pathlib, pickle, re, types, urllib.parse, webbrowser
+            opened = []
+            def browse(address):
+                opened.append(pathlib.Path(urllib.parse.unquote(urllib.parse.urlsplit(address).path)))
+                return True
+            webbrowser.open = browse
+            result = cgcontact.read({file!r}, {{"output.plots": False, "title": "Äpfel & <Birnen>"}}, n=4).solve()
+            result.write("with blank")
+            stored = cgcontact.load("with blank")
+            assert result.show() is None and stored.show() is None
+            assert opened[1] == pathlib.Path("with blank/report.html").resolve()
+            assert all("Äpfel &amp; &lt;Birnen&gt;" in page.read_text(encoding="utf-8") for page in opened)
+            webbrowser.open = lambda address: False
+            for shown in (stored, pickle.loads(pickle.dumps(result))):
+                try:
+                    shown.show()
+                except cgcontact.InputError as error:
+                    print(error)
+            sys.modules["IPython"] = types.ModuleType("IPython")
+            sys.modules["IPython.display"] = types.ModuleType("IPython.display")
+            sys.modules["IPython.display"].HTML = str
+            builtins.get_ipython = lambda: types.SimpleNamespace(config=dict(IPKernelApp=dict()))
+            page = html.unescape(re.search('<iframe srcdoc="([^"]*)"', stored.show())[1])
+            assert page == opened[1].read_text(encoding="utf-8") and len(opened) == 2
+            """, file=str(scene("two_solids")))
+        self.assertRegex(printed, r"^no browser can be started to show with blank/report.html\nthis result has no page")
+
+    def test_wheel(self):
+        """The wheel of this build, installed elsewhere by pip: it names itself, its version and its Debian packages, solves, and finds
+        its part for OpenCASCADE, which makes tori."""
+        missing = [name for name in ("pip", "wheel") if not importlib.util.find_spec(name)]
+        if missing:
+            self.skipTest(f"no {missing}")
+        build, installed = module().parent, pathlib.Path("installed").resolve()
+        wheel = self.output(harness.SOURCE / "python" / "make_wheel.py", build, "wheels").strip()
+        self.output("-m", "pip", "install", "--no-deps", "--no-index", "--target", installed, wheel)
+        printed = python("""
+            from importlib import metadata
+            assert cgcontact.read({file!r}, n=4).solve().converged
+            if {cad}:
+                cgcontact.read({torus!r})
+                assert {installed!r} + "/cgcontact/libcgcontact_cad.so" in open("/proc/self/maps").read()
+            json.dump([cgcontact.__file__, cgcontact.__version__, metadata.version("cgcontact"),
+                       metadata.metadata("cgcontact").get_all("Requires-External")], sys.stdout)
+            """, folder=installed, installed=str(installed), file=str(scene("two_solids")),
+                         cad=any((build / "core").glob("libcgcontact_cad.so")),
+                         torus=str(harness.SOURCE / "tests" / "scenes" / "ring_in_block.toml"))
+        file, version, of_metadata, packages = json.loads(printed)
+        self.assertEqual(pathlib.Path(file).parent, installed / "cgcontact")
+        self.assertEqual(version, of_metadata)
+        self.assertIn(version, cgcontact("--version").out)
+        self.assertRegex(wheel, rf"^wheels/cgcontact-{re.escape(version)}-cp\d+-cp\d+-linux_\w+\.whl$")
+        self.assertTrue({"libc6", "libopenmpi3"} <= set(packages), packages)
+        names = ("__init__.py", "__init__.pyi", "_results.py", "py.typed")
+        self.assertEqual([name for name in names if not (installed / "cgcontact" / name).is_file()], [])
+
+    def output(self, *words):
+        """What Python prints for a script or a module."""
+        done = subprocess.run([sys.executable, *map(str, words)], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
 
     def test_messages(self):
         """Those of the program, as InputError, which is a ValueError."""

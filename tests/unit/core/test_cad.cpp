@@ -303,6 +303,18 @@ TEST_F(Cad, SplinesOfSimpleShapes) {
   EXPECT_EQ(count(round[1], "other"), 1);
 }
 
+TEST_F(Cad, SizesOfFacesInWords) {
+  const auto size = [&](const std::string& name, const std::string& kind) {
+    for (const CadFace& face : model(name).faces())
+      if (face.kind == kind) return cad_size_text(face, mm, "m");
+    return "no " + kind;
+  };
+  EXPECT_EQ(size("torus", "torus"), "ring radius 0.005 m, tube radius 0.002 m");
+  EXPECT_EQ(size("cone", "cone"), "half-angle 18.4349 degrees");
+  EXPECT_EQ(size("sphere", "sphere"), "radius 0.005 m");
+  EXPECT_EQ(size("cone", "plane"), "");
+}
+
 // Proves that a solid from a child process is the file's to the last bit: read twice, it has the same figures and the
 // same triangles, whose curves and surfaces lie on each other.
 TEST_F(Cad, ReadTwiceIsTheSame) {

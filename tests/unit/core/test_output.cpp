@@ -594,13 +594,14 @@ TEST_F(output, the_summary_fits_one_screen_whatever_there_is) {
     results.warnings.push_back(results.diagnosis);
   }
   results.times_s = {{"cut cells", 1e5}, {"operator", 2e5}, {"solve", 3e5}, {"recovery", 4e5}, {"output", 5e5}};
+  results.peak_memory_bytes = 1'234'000'000;
   results.accuracy = solves_to_an_accuracy(12, false);
   const std::vector<std::string> lines = lines_of(summary(results, "out/some/where"));
   EXPECT_LE(lines.size(), 24u);
   for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
   const std::string text = summary(results, "out/some/where");
   for (const char* words : {"DID NOT CONVERGE", "diagnosis:", "more pairs, see the report", "more warnings",
-                            "est. error:", "results in out/some/where:"})
+                            "est. error:", "1.23 GB of memory", "results in out/some/where:"})
     EXPECT_NE(text.find(words), std::string::npos) << words;
 }
 
