@@ -9,6 +9,7 @@
 
 #include "contact/model/condition_checks.hpp"
 #include "contact/results/conditions.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/suggest.hpp"
 #include "core/base/text.hpp"
 #include "core/geometry/solid_middle.hpp"
@@ -237,6 +238,37 @@ void find_held_loads(Checked& c) {
   }
 }
 
+/// Tells of a named face that takes the faces of other shapes, because they lie on the same surface.
+void find_shared_face(Checked& c, const char* of, const FaceRef& ref) {
+  const FaceSpec& face = ref.face;
+  if (face.owners.empty()) return;
+  const BodyModel& model = c.preparation.bodies[ref.body];
+  double area = 0, beside = 0;
+  std::set<std::string> others;
+  for (const int p : BodyFace(face, model).points()) {
+    const Grid& grid = model.cut_cells.grid;
+    area += model.area(p);
+    if (!model.spec->is_beside_owners(face, grid.to_global(model.cut_cells.boundary.position_of_facet(p)))) continue;
+    beside += model.area(p);
+    for (const std::string& name : model.surface_names(p))
+      if (!face.selects({name})) others.insert('"' + name + '"');
+  }
+  if (beside <= rounding * area) return;
+  c.tell(
+      fmt::format("{} \"{}.{}\": the face lies on one surface with {}, of which it takes {:.3g} of its {:.3g} m2 too: "
+                  "name all that are meant in one face ([[body]] faces = [{{name = .., surfaces = [..]}}]), or give "
+                  "it a box around the part that is meant",
+                  of, c.body(ref.body).name, face.name, join({others.begin(), others.end()}), model.slices * beside,
+                  model.slices * area));
+}
+
+/// Loads and supports; a plane of symmetry is meant as a whole.
+void find_shared_faces(Checked& c) {
+  for (const LoadSpec& load : c.scene.loads) find_shared_face(c, "load on", load.face);
+  for (const SupportSpec& support : c.scene.supports)
+    if (!support.symmetry && !support.implied) find_shared_face(c, "support of", support.face);
+}
+
 struct Rule {
   const char* finds;
   void (*apply)(Checked&);
@@ -251,6 +283,7 @@ const Rule rules[] = {
     {"an interference above a tenth of the body", find_large_interferences},
     {"a load above a tenth of the modulus", find_large_loads},
     {"a load where a support takes it", find_held_loads},
+    {"a face that is more than the shape of its name has", find_shared_faces},
 };
 
 }  // namespace

@@ -11,16 +11,33 @@ constexpr double box_tolerance =
 constexpr double cone_tolerance = 1e-12;
 /// Fraction of the body's longest side by which a point on the boundary may be outside by rounding.
 constexpr double boundary_tolerance = 1e-9;
-}  // namespace
 
-bool BodySpec::holds(const Vec3& x) const {
+bool holds_within(const Solid& solid, const Vec3& x, double reach) {
   if (solid.contains(x)) return true;
-  Vec3 min, max;
-  solid.bounding_box(min, max);
-  const double reach = boundary_tolerance * (max - min).maxCoeff();
   for (int k = 0; k < 27; ++k)  // the cube around it
     if (solid.contains(x + reach * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))) return true;
   return false;
+}
+
+}  // namespace
+
+bool BodySpec::holds(const Vec3& x) const {
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  return holds_within(solid, x, boundary_tolerance * (max - min).maxCoeff());
+}
+
+bool BodySpec::is_beside_owners(const FaceSpec& face, Vec3 x) const {
+  if (face.owners.empty()) return false;
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  if (plane_strain) {  // the cells are not as thick as the body
+    const int across = static_cast<int>(*plane_strain);
+    x[across] = 0.5 * (min[across] + max[across]);
+  }
+  const double reach = boundary_tolerance * (max - min).maxCoeff();
+  return std::none_of(face.owners.begin(), face.owners.end(),
+                      [&](const Solid& owner) { return holds_within(owner, x, reach); });
 }
 
 bool FaceSpec::selects(const std::vector<std::string>& names) const {

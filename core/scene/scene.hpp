@@ -65,6 +65,7 @@ struct FaceSpec {
   std::vector<std::string> surfaces;                   ///< primitive faces, "primitive.face"; empty: any
   std::optional<std::pair<Vec3, Vec3>> box;            ///< points in [min, max], m
   std::optional<std::pair<Vec3, double>> normal_cone;  ///< unit axis, cosine of the half angle
+  std::vector<Solid> owners;  ///< shapes of these faces where other shapes have faces on the same surfaces, m
   SourceLocation location;
 
   /// Does a boundary point lie on the face? `names`: names of the elementary surface; x in m and n in global axes.
@@ -126,6 +127,8 @@ struct BodySpec {
   int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
   /// Returns whether x (m) is inside or on the boundary, within rounding.
   bool holds(const Vec3& x) const;
+  /// Returns whether a point (m) of the face lies on shapes other than its owners.
+  bool is_beside_owners(const FaceSpec& face, Vec3 x) const;
 };
 
 /// "body.face" resolved.

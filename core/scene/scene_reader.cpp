@@ -199,6 +199,7 @@ FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) cons
       face.surfaces.insert(face.surfaces.end(), resolved.begin(), resolved.end());
     }
     if (names.empty()) surfaces->fail("names no face", join(shape.face_names()));
+    face.owners = shape.owners_of_shared(face.surfaces);
   }
   if (const auto box = node.find("box")) {
     box->expect_keys({"min", "max"});
@@ -259,6 +260,7 @@ FaceSpec face_of_body(const TomlCursor& node, const BodySpec& body, const Shape&
   face.name = name;
   face.location = node.location();
   face.surfaces = shape.resolve(name);
+  face.owners = shape.owners_of_shared(face.surfaces);
   for (const std::string& own : shape.face_names()) known.push_back(own);
   if (face.surfaces.empty()) node.fail("is no face of this body" + did_you_mean(name, known), join(known));
   return face;
@@ -551,6 +553,7 @@ FaceRef SceneReader::resolve_face(const TomlCursor& node, const std::string& ref
   result.face.location = result.location;
   if (unread_[result.body].shape) throw FollowingMistake();
   result.face.surfaces = shapes_[result.body].resolve(face);
+  result.face.owners = shapes_[result.body].owners_of_shared(result.face.surfaces);
   if (!result.face.surfaces.empty()) return result;
   if (unread_[result.body].faces) throw FollowingMistake();
   const std::vector<std::string> known = face_names(result.body);

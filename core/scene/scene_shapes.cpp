@@ -10,6 +10,7 @@
 #include "core/base/suggest.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/bodies/cad_body.hpp"
+#include "core/bodies/csg_body.hpp"
 #include "core/scene/scene_cad.hpp"
 #include "core/scene/scene_mesh.hpp"
 #include "core/scene/scene_profiles.hpp"
@@ -93,7 +94,8 @@ class ShapeReader {
   Solid read_cad_shape(const TomlCursor& node, const std::string& name);
   Solid read_operation(const TomlCursor& node, const std::string& kind);
   Solid combine(const TomlCursor& list, const std::string& kind, const Solid& a, const Solid& b);
-  Solid placed(const TomlCursor& node, const Solid& solid) const;
+  Solid add(PrimitiveFaces primitive);
+  Solid placed(const TomlCursor& node, const Solid& solid, std::size_t first_primitive);
 
   const TomlCursor& body_;
   std::set<std::string> names_;
@@ -129,34 +131,34 @@ Solid ShapeReader::read_primitive(const TomlCursor& node, const std::string& kin
   const std::string name = name_of(node, kind);
   const TomlCursor data = node.at(kind);
   if (kind == "box") {
-    primitives.push_back({name, box_faces});
-    return read_box(data, name);
+    return add({name, box_faces, read_box(data, name)});
   }
   if (kind == "sphere") {
-    primitives.push_back({name, sphere_faces});
-    return read_sphere(data, name);
+    return add({name, sphere_faces, read_sphere(data, name)});
   }
   if (kind == "cylinder") {
-    primitives.push_back({name, cylinder_faces});
-    return read_cylinder(data, name);
+    return add({name, cylinder_faces, read_cylinder(data, name)});
   }
   if (kind == "cone" || kind == "torus" || kind == "extrude" || kind == "revolve") {
     const ProfileShape shape = kind == "cone"      ? read_cone(data, name)
                                : kind == "torus"   ? read_torus(data, name, body_)
                                : kind == "extrude" ? read_extrude(data, name)
                                                    : read_revolve(data, name, body_);
-    primitives.push_back({name, shape.faces});
-    return shape.solid;
+    return add({name, shape.faces, shape.solid});
   }
   if (kind == "mesh") return read_mesh_shape(data, name);
   if (kind == "cad") return read_cad_shape(data, name);
-  primitives.push_back({name, half_space_faces});
-  return read_half_space(data, name);
+  return add({name, half_space_faces, read_half_space(data, name)});
+}
+
+Solid ShapeReader::add(PrimitiveFaces primitive) {
+  primitives.push_back(std::move(primitive));
+  return primitives.back().solid;
 }
 
 Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& name) {
   const MeshShape mesh = read_mesh(node, name);
-  primitives.push_back({name, mesh.faces});
+  primitives.push_back({name, mesh.faces, mesh.solid});
   notes.push_back(mesh.note);
   has_mesh = true;
   if (mesh.repaired) warnings.push_back(mesh.note);
@@ -168,7 +170,7 @@ Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& na
 
 Solid ShapeReader::read_cad_shape(const TomlCursor& node, const std::string& name) {
   CadShape cad = read_cad_solid(node, name, body_);
-  primitives.push_back({name, cad.faces});
+  primitives.push_back({name, cad.faces, cad.solid});
   notes.push_back(cad.note);
   warnings.insert(warnings.end(), cad.warnings.begin(), cad.warnings.end());
   return cad.solid;
@@ -212,8 +214,8 @@ Solid ShapeReader::combine(const TomlCursor& list, const std::string& kind, cons
   }
 }
 
-/// Turned about `rotate.center`, then moved by `translate`.
-Solid ShapeReader::placed(const TomlCursor& node, const Solid& solid) const {
+/// Turns the solid and its primitives about `rotate.center`, then moves them by `translate`.
+Solid ShapeReader::placed(const TomlCursor& node, const Solid& solid, std::size_t first_primitive) {
   Mat3 rotation = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
   const auto rotate = node.find("rotate");
@@ -227,13 +229,17 @@ Solid ShapeReader::placed(const TomlCursor& node, const Solid& solid) const {
     translation = fixed - rotation * fixed;
   }
   if (translate) translation += translate->vector("m");
+  if (as_csg(solid))
+    for (std::size_t p = first_primitive; p < primitives.size(); ++p)
+      primitives[p].solid = primitives[p].solid.transformed(rotation, translation);
   return solid.transformed(rotation, translation);
 }
 
 Solid ShapeReader::read(const TomlCursor& node) {
   const std::string kind = kind_of(node);
   const bool is_operation = kind == "union" || kind == "intersection" || kind == "difference";
-  return placed(node, is_operation ? read_operation(node, kind) : read_primitive(node, kind));
+  const std::size_t first_primitive = primitives.size();
+  return placed(node, is_operation ? read_operation(node, kind) : read_primitive(node, kind), first_primitive);
 }
 
 /// Largest radius in sizes of the body. Points are on a surface to 1e-9 of the size; one of a larger radius deviates
@@ -274,6 +280,24 @@ std::vector<std::string> Shape::resolve(const std::string& reference) const {
   }
   if (!whole.empty()) return whole;
   return by_face.size() == 1 ? by_face : std::vector<std::string>{};
+}
+
+std::vector<Solid> Shape::owners_of_shared(const std::vector<std::string>& faces) const {
+  if (!as_csg(solid)) return {};
+  const auto is_listed = [&](const std::string& name) {
+    return std::find(faces.begin(), faces.end(), name) != faces.end();
+  };
+  const auto is_shared = [&](const Surface& surface) {
+    return std::any_of(surface.names.begin(), surface.names.end(), is_listed) &&
+           !std::all_of(surface.names.begin(), surface.names.end(), is_listed);
+  };
+  if (std::none_of(solid.surfaces().begin(), solid.surfaces().end(), is_shared)) return {};
+  std::vector<Solid> owners;
+  for (const PrimitiveFaces& primitive : primitives)
+    if (std::any_of(primitive.faces.begin(), primitive.faces.end(),
+                    [&](const std::string& face) { return is_listed(primitive.name + "." + face); }))
+      owners.push_back(primitive.solid);
+  return owners;
 }
 
 double read_cell_size(const TomlCursor& body) { return body.at("cell_size", "> 0 m").number(Range::positive("m")); }

@@ -16,6 +16,7 @@ struct RepairedSurface;
 struct PrimitiveFaces {
   std::string name;
   std::vector<std::string> faces;
+  Solid solid;  ///< where it is in the body, m
 };
 
 struct Shape {
@@ -31,6 +32,9 @@ struct Shape {
   /// Returns the faces that "primitive.face", "primitive" (all its faces) or "face" (if only one primitive has such a
   /// face) means; empty if none.
   std::vector<std::string> resolve(const std::string& reference) const;
+  /// Returns the primitives of some faces ("primitive.face") if other primitives have faces on the same surfaces (two
+  /// boxes of a union on one plane); none otherwise, and of bodies with surfaces from files.
+  std::vector<Solid> owners_of_shared(const std::vector<std::string>& faces) const;
 };
 
 /// Reads the `cell_size` of a [[body]], m. Throws InputError.

@@ -72,8 +72,44 @@ WARNED = {
     "tons": (text(force="-50 MN"), [['load on "ball.top"', "% of the E of its body", "is a unit wrong"]]),
     "held_load": (text(loaded="plate.z-"), [['load on "plate.z-"', 'the support of "plate.z-" holds the face']]),
 }
+# Two columns on one plate, whose upper faces lie on one plane. {face}: that of the load.
+COLUMNS = """[[body]]
+name = "base"
+material = {{E = "210 GPa", nu = 0.3}}
+cell_size = "2 mm"
+shape = {{union = [{{name = "plate", box = {{min = [0, 0, "-4 mm"], max = ["30 mm", "10 mm", 0]}}}},
+                  {{name = "left", box = {{min = [0, 0, 0], max = ["8 mm", "10 mm", "12 mm"]}}}},
+                  {{name = "right", box = {{min = ["20 mm", 0, 0], max = ["30 mm", "10 mm", "12 mm"]}}}}]{more}}}
+faces = [{{name = "both", surfaces = ["left.z+", "right.z+"]}},
+         {{name = "part", surfaces = ["right.z+"], box = {{min = ["19 mm", -1, -1], max = [1, 1, 1]}}}}]
+{body}
+
+[[support]]
+face = "base.plate.z-"
+displacement = {{x = 0, y = 0, z = 0}}
+
+[[load]]
+face = "base.{face}"
+force = [0, 0, "-100 N"]
+"""
+
+
+def columns(face, more="", body=""):
+    return COLUMNS.format(face=face, more=more, body=body)
+
+
+TAKES_BOTH = ['load on "base.right.z+"', 'on one surface with "left.z+", of which it takes', "surfaces = [..]"]
+WARNED["both_columns"] = (columns("right.z+"), [TAKES_BOTH + ["8e-05 of its 0.00018 m2"]])
+WARNED["turned_columns"] = (columns("right.z+", ', rotate = {axis = [1, 0, 0], angle = 20}, translate = ["3 mm", 0, "5 mm"]'),
+                            [TAKES_BOTH])
+WARNED["columns_in_plane_strain"] = (columns("right.z+", body='plane_strain = "y"').replace('"10 mm"', '"2 mm"'), [TAKES_BOTH])
 # Values that look like them and are meant.
 MEANT = {
+    "both_columns_by_name": columns("both"),
+    "right_column_in_a_box": columns("part"),
+    "face_with_a_flush_hole": columns("plate.z-").replace("union = [", "difference = [", 1).replace(
+        '{name = "left", box = {min = [0, 0, 0]', '{name = "left", box = {min = ["5 mm", "3 mm", "-4 mm"]').replace(
+        'max = ["8 mm", "10 mm", "12 mm"]', 'max = ["8 mm", "6 mm", 0]').replace("plate.z-\"\ndisp", "plate.x-\"\ndisp"),
     "given_in_megapascals": text(E='"210000 MPa"'),
     "silicone": text(E='"0.4 MPa"', force="-0.01 N"),
     "plate_of_a_metre": text(instead={'"-20*s", "-20*s", "-10*s"': '"-500*s", "-500*s", "-10*s"', '"20*s", "20*s", 0': '"500*s", "500*s", 0',
@@ -122,7 +158,7 @@ class SilentMistakes(unittest.TestCase):
 
     def test_no_false_alarm(self):
         """No scene that comes with the program has a value that is hardly meant."""
-        finds = re.compile("a number without a unit|is its unit right|is a unit wrong|goes into the support")
+        finds = re.compile("a number without a unit|is its unit right|is a unit wrong|goes into the support|lies on one surface")
         scenes = [file for folder in ("scenes", "tests/scenes") for file in sorted((harness.SOURCE / folder).glob("*.toml"))]
         self.assertGreater(len(scenes), 40)
         for file in scenes:

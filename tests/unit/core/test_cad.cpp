@@ -305,7 +305,8 @@ TEST_F(Cad, SplinesOfSimpleShapes) {
 
 TEST_F(Cad, SizesOfFacesInWords) {
   const auto size = [&](const std::string& name, const std::string& kind) {
-    for (const CadFace& face : model(name).faces())
+    const CadModel part = model(name);
+    for (const CadFace& face : part.faces())
       if (face.kind == kind) return cad_size_text(face, mm, "m");
     return "no " + kind;
   };
