@@ -10,7 +10,7 @@ namespace cgcontact {
 namespace {
 
 /// A zone whose normals are all within 30 degrees of their mean is seen from above.
-constexpr double flat = 0.866;
+constexpr double min_flat_cosine = 0.866;
 /// A face is round about an axis when the mean square of its normals along it is less, and its points are within that
 /// fraction of the radius of one cylinder.
 constexpr double no_turn = 1e-4, one_radius = 0.02;
@@ -43,7 +43,7 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
   mean.normalize();
   double least = 1;
   for (const FacePoint& p : points) least = std::min(least, p.normal.dot(mean));
-  if (least > flat) {
+  if (least > min_flat_cosine) {
     chart.origin_ = middle;
     chart.normal_ = mean;
     chart.axis_[0] = across >= 0      ? Vec3(Vec3::Unit(across))
