@@ -67,7 +67,7 @@ std::optional<ZonePatches> ZonePatches::make(const SolvedState& state, const Pai
   for (const int q : patches.near_)
     if (patches.is_closed(q))
       points.push_back({patches.pair_.points.x(q), patches.pair_.points.normal(q), patches.pair_.points.weight(q)});
-  patches.chart_ = FaceChart::make(points, patches.planes_, patches.across_,
+  patches.chart_ = ZoneChart::make(points, patches.planes_, patches.across_,
                                    state.bodies[patches.pair_.primary].cut_cells.grid.rotation);
   if (!patches.chart_ || !patches.lay_grid()) return std::nullopt;
   patches.lay_meridian();
