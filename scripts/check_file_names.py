@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A name that only one .cpp file knows (of an unnamed namespace, a constant, `static`) is no name of another file of its library nor of a
 header that it may include: the files of a library are compiled in groups as one (CMake's unity build), and each new file shifts the groups.
-Complains about types, variables and constants of one name, and about functions of one name with the same parameters.
+Complains about types, variables and constants of one name, and about functions of one name with the same parameters; in headers too about
+types and constants, which libraries must not give two meanings.
 
   scripts/check_file_names.py [ROOT]
 
@@ -160,7 +161,7 @@ def declarations(text):
 
 
 def clashes(root, libraries):
-    """Lists messages, one for each file-local name of the last library that another file has or a header that it may include."""
+    """Lists messages for names of the last library: of a file that another file or a header has, of a header that another one has."""
     known = {}  # places of a name in headers and in files of this library
     for library in libraries:
         for path in sorted((root / library).rglob("*.[ch]pp")):
@@ -174,9 +175,12 @@ def clashes(root, libraries):
     messages = []
     for (_, name), places in known.items():
         for one, other in itertools.combinations(places, 2):
-            same = one[2] is None or other[2] is None or one[2] == other[2]
-            if one[0] != other[0] and (one[3] or other[3]) and same:
-                file, there = (one, other) if one[3] else (other, one)
+            functions = one[2] is not None and other[2] is not None
+            local = one[3] or other[3]
+            if one[0] == other[0] or functions and (one[2] != other[2] or not local):  # headers may declare a function twice
+                continue
+            there, file = sorted((one, other), key=lambda place: (place[3], place[0].startswith(libraries[-1] + "/")))
+            if file[0].startswith(libraries[-1] + "/"):
                 messages.append(f"{file[0]}:{file[1]}: {name} is a name of {there[0]}:{there[1]} too")
     return sorted(messages)
 

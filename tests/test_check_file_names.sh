@@ -22,9 +22,9 @@ expect() {
   rm "$tree"/*/*.[ch]pp "$tree"/*/*/*.[ch]pp 2>/dev/null || true
 }
 
-# both PASSES FIRST SECOND: the first line in core/c.cpp, the second in core/b.cpp.
+# both PASSES FIRST SECOND: the first line in core/a.cpp, the second in core/b.cpp.
 both() {
-  write core/c.cpp "$2"
+  write core/a.cpp "$2"
   write core/b.cpp "$3"
   expect "$1" "$2   beside   $3"
 }
@@ -43,13 +43,21 @@ write core/b.cpp 'constexpr int flat = 0;' # in the library's own headers and in
 printf '#pragma once\nnamespace cgcontact {\nbool flat(int x);\n}\n' >"$tree/core/a.hpp"
 expect 0 'a header of the library'
 write core/b.cpp 'constexpr int flat = 0;'
-printf 'namespace cgcontact {\n\nconstexpr int flat = 1;\n}\n' >"$tree/core/c.cpp"
+printf 'namespace cgcontact {\n\nconstexpr int flat = 1;\n}\n' >"$tree/core/a.cpp"
 expect 0 'a constant outside of unnamed namespaces'
 write core/b.cpp 'constexpr int flat = 0;'
-printf 'namespace cgcontact {\nnamespace detail {\nconstexpr int flat = 1;\n}\n}\n' >"$tree/core/c.cpp"
+printf 'namespace cgcontact {\nnamespace detail {\nconstexpr int flat = 1;\n}\n}\n' >"$tree/core/a.cpp"
 expect 1 'another named namespace'
 write core/b.cpp 'constexpr int flat = 0;'
 write kernels/a.cpp 'constexpr int flat = 0;'
 write core/triangles/triangle_repair.cpp 'constexpr int flat = 0;'
 expect 1 'another library, and what is compiled by itself'
+printf 'namespace cgcontact {\nclass flat {};\n}\n' >"$tree/core/a.hpp"
+printf 'namespace cgcontact {\n\nclass flat {};\nbool round(int x);\n}\n' >"$tree/contact/a.hpp"
+if said=$("$checker" "$tree") || [[ $said != "contact/a.hpp:3: flat is a name of core/a.hpp:2 too" ]]; then
+  echo "two headers: said: $said"
+  failed=1
+fi
+printf 'namespace cgcontact {\nclass flat;\nbool round(int x);\n}\n' >"$tree/core/a.hpp"
+expect 1 'a type and a function that headers only declare'
 exit $failed
