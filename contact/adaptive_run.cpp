@@ -22,7 +22,7 @@ constexpr double coarsening_power = -1.7;
 /// Least change of size, of the wanted one, that a limit must leave to be worth a solve.
 constexpr double min_gain = 1.15;
 /// Cells of a grid that is the last one again, over those of that; cells are then made so much finer.
-constexpr double same_cell = 0.95, finer = 0.75;
+constexpr double unchanged_cell = 0.95, finer = 0.75;
 /// Times as many unknowns, at least, of a grid with the same smallest cells that is worth a solve.
 constexpr double worth_a_solve = 1.2;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
@@ -208,7 +208,7 @@ bool AdaptiveRun::stands_still() const {
   double smallest = 1e300;
   for (const BodyModel& body : next_->state.bodies)
     smallest = std::min(smallest, body.cut_cells.grid.cell_size_of(body.cut_cells.grid.num_levels - 1));
-  return last.converged && smallest > same_cell * last.smallest_cell &&
+  return last.converged && smallest > unchanged_cell * last.smallest_cell &&
          count_unknowns(next_->state.bodies) < worth_a_solve * static_cast<double>(last.unknowns);
 }
 

@@ -18,13 +18,13 @@ namespace cgcontact {
 namespace {
 
 /// Pa: soft gels and foams; diamond has 1.05e12 to 1.2e12.
-constexpr double softest = 1e5, stiffest = 1.25e12;
+constexpr double min_modulus = 1e5, max_modulus = 1.25e12;
 /// Pa: rubber begins there. Most materials in MPa are a number below it, which is then read as Pa.
 constexpr double softest_rubber = 1e6;
 /// Moduli in GPa are numbers below it, those in MPa of all but rubber above.
 constexpr double max_in_gigapascals = 1e3;
 /// Sizes of two bodies in contact differ by less, but where one is in mm and the other in m.
-constexpr double max_ratio = 100;
+constexpr double max_size_ratio = 100;
 /// m: parts are shorter, and most numbers of mm are larger.
 constexpr double longest_part = 10;
 /// m: a consistent set with mm has its parts longer than that.
@@ -67,12 +67,12 @@ std::string bodies_text(const Checked& c, const std::vector<int>& bodies) {
 std::string fault_of_modulus(const BodySpec& body) {
   const double modulus = body.material.youngs_modulus;
   const std::string given = fmt::format("E = {:.6g} Pa", modulus);
-  if (modulus > stiffest)
+  if (modulus > max_modulus)
     return given +
            " is more than diamond has (1.2e12 Pa): is its unit right? A body that is to be much stiffer than the "
            "others has rigid = true";
   if (body.material.modulus_has_units || modulus >= softest_rubber)
-    return modulus < softest ? given + " is less than soft gels have (1e5 Pa): is its unit right?" : "";
+    return modulus < min_modulus ? given + " is less than soft gels have (1e5 Pa): is its unit right?" : "";
   const bool in_millimetres = body.plain_lengths && longest_side(body.solid) > longer_than_in_metres;
   return given +
          fmt::format(
@@ -103,7 +103,7 @@ void find_sizes_of_pairs(Checked& c) {
     if (!seen.insert(std::minmax(large, small)).second) continue;
     if (mean_side(c.body(large)) < mean_side(c.body(small))) std::swap(large, small);
     const double ratio = mean_side(c.body(large)) / mean_side(c.body(small));
-    if (ratio < max_ratio) continue;
+    if (ratio < max_size_ratio) continue;
     const bool both_told = c.told.count(large) + c.told.count(small) == 2;
     c.told.insert({large, small});
     if (both_told) continue;

@@ -19,7 +19,7 @@ namespace cgcontact {
 namespace {
 
 /// Fraction of all loads that may act along a surface on which a body slides: a face may end between quadrature points.
-constexpr double little_load = 1e-3;
+constexpr double max_load_along_surface = 1e-3;
 
 /// Fraction of all loads below which no motion is driven. They are integrated to 1e-9.
 constexpr double no_load = 1e-7;
@@ -70,8 +70,8 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   // The exact pressure does no work on these. A rotation about the axis of another body's surface (a pin in a wider
   // hole) ends where the loads do none.
   const SurfaceMotions surface = find_surface_motions(p.bodies, p.supports, p.pairs);
-  refuse_driven(surface.own, little_load, "");
-  refuse_driven(surface.others.without_rotation(), little_load, "");
+  refuse_driven(surface.own, max_load_along_surface, "");
+  refuse_driven(surface.others.without_rotation(), max_load_along_surface, "");
   FreeMotions along_surfaces = surface.own;
   along_surfaces.add(surface.others);
   along_surfaces.add(free);

@@ -18,15 +18,15 @@ constexpr int radii = 5;
 /// Positions no farther apart than this, in cells or as a fraction of the body's longest side, are one.
 constexpr double apart_cells = 8, apart_part = 1.0 / 12;
 /// Number of candidates per body, those with the largest errors.
-constexpr int max_candidates = 16;
+constexpr int max_candidates_of_body = 16;
 /// Cells of less volume than that (of a whole one) are no candidates: their density is rounding.
 constexpr double min_volume = 0.1;
 /// Least values at a singular position (error: of the energy norm in the ball). Measured: notches, clamped edges, rims
 /// and corners of punches: error 0.3 to 0.7, fall 0.23 to 0.7, growth 0.2 to 0.7. Edges of smooth contact zones: error
 /// up to 0.3, fall -0.3 to 0.02; beneath contact and in holes: error up to 0.13, fall up to 0.22.
-constexpr double min_error = 0.25, min_fall = 0.15, min_growth = 0.15;
+constexpr double min_ball_error = 0.25, min_fall = 0.15, min_growth = 0.15;
 /// Cells, of the last solve's there: solves with larger ones say nothing of the exponent.
-constexpr double largest_cell = 40;
+constexpr double max_cell_ratio = 40;
 /// Least refinement of the cells there.
 constexpr double min_refinement = 2;
 /// Largest ratio of cells to those of the last solve for the final growth rate: where an edge lies in its cells changes
@@ -34,7 +34,7 @@ constexpr double min_refinement = 2;
 constexpr double end_refinement = 2.5;
 
 /// Cosine of the angle by which a surface may turn in the ball: 30 degrees in three cells, a radius of six cells.
-constexpr double min_cosine = 0.87;
+constexpr double min_turning_cosine = 0.87;
 
 struct Ball {
   double energy = 0, error = 0, volume = 0;
@@ -92,7 +92,7 @@ std::vector<std::size_t> candidates(const CellEnergies& cells) {
              std::max(apart_cells * std::max(cells.h[f], cells.h[c]), apart_part * side);
     });
     if (is_new) found.push_back(c);
-    if (found.size() == max_candidates) break;
+    if (found.size() == max_candidates_of_body) break;
   }
   return found;
 }
@@ -110,7 +110,7 @@ std::optional<Growth> growth_at(const std::vector<std::vector<CellEnergies>>& so
     const CellEnergies& cells = (*solve)[body];
     const double h = cell_at(cells, x), stress = ball_at(cells, x, ball * h).stress();
     if (last == 0) last = h;
-    if (h > largest_cell * last && points.size() > 1) break;
+    if (h > max_cell_ratio * last && points.size() > 1) break;
     if (stress > 0) points.emplace_back(std::log(h), std::log(stress));
   }
   if (points.size() < 2 || points.back().first - points.front().first < std::log(min_refinement)) return std::nullopt;
@@ -170,7 +170,7 @@ bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
   };
   return std::any_of(normals.begin(), normals.end(), [&](const auto& surface) {
     const Vec3 end = farthest(surface.second, surface.second.front());
-    return farthest(surface.second, end).dot(end) < min_cosine;
+    return farthest(surface.second, end).dot(end) < min_turning_cosine;
   });
 }
 
@@ -217,7 +217,7 @@ std::vector<SingularPoint> singular_points(const SolvedState& state,
       SingularPoint point;
       point.x = last.x[c];
       point.cell = last.h[c];
-      if (ball_at(last, point.x, ball * point.cell).relative_error() < min_error) continue;
+      if (ball_at(last, point.x, ball * point.cell).relative_error() < min_ball_error) continue;
       if (fall_exponent(last, point.x, point.cell) < min_fall) continue;
       const auto growth = growth_at(solves, b, point.x);
       if (!growth || has_unseen_fillet(state.bodies[b], point.x, ball * growth->cell)) continue;

@@ -15,7 +15,7 @@ namespace {
 
 /// Cells: closed groups of one zone have centres no farther apart; groups within the second distance may hold its wider
 /// overlap.
-constexpr double connected = 2, around = 3;
+constexpr double max_group_spacing = 2, around = 3;
 /// Cells: a plane of symmetry so near to a zone's centre cuts it.
 constexpr double near_plane = 1.5;
 /// Fraction of the groups' area: an overlap that fills more is not smaller than the cells.
@@ -184,7 +184,7 @@ class Overlap {
 
 void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zone) {
   const std::vector<Group> groups = groups_of(state, pair);
-  const auto joined = [&](int i, int k, double cells = connected) {
+  const auto joined = [&](int i, int k, double cells = max_group_spacing) {
     return (groups[i].centre - groups[k].centre).norm() <=
            cells * std::max(groups[i].group->larger_cell, groups[k].group->larger_cell);
   };
@@ -193,7 +193,7 @@ void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zo
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (!groups[g].closed) continue;
     closed.push_back(static_cast<int>(g));
-    reach = std::max(reach, connected * groups[g].group->larger_cell);
+    reach = std::max(reach, max_group_spacing * groups[g].group->larger_cell);
   }
   const std::vector<int> set = connected_sets(
       closed.size(), reach, [&](std::size_t i) { return groups[closed[i]].centre; },

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "contact/face/face_chart.hpp"
+#include "contact/face/zone_chart.hpp"
 #include "core/base/point_buckets.hpp"
 #include "recovery/face/face_zone.hpp"
 #include "recovery/patch/known_pressures.hpp"
@@ -22,7 +22,7 @@ struct PressureOnFace {
 /// A zone whose pressure was solved for.
 struct SolvedZone {
   int pair = 0, primary = 0;
-  FaceChart chart;
+  ZoneChart chart;
   double h = 0;             ///< m
   std::vector<char> known;  ///< patches on both faces
   /// Cosines between the normals of the primary face and of the chart at each patch: pressures are per area of the

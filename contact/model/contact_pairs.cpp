@@ -132,7 +132,7 @@ struct SurfacePoints {
 };
 
 /// Cosine between the direction of a gap and faces that it is measured from.
-constexpr double min_cosine = 0.1;
+constexpr double min_gap_cosine = 0.1;
 
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
 /// `borders`: of the opposite face, as seen from the surface.
@@ -159,7 +159,7 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
     double cosine = 1;
     if (!direction.isZero()) {
       cosine = point.normal.dot(direction);
-      if (cosine < min_cosine) continue;
+      if (cosine < min_gap_cosine) continue;
       point.normal = direction;
     }
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);

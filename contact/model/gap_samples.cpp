@@ -6,6 +6,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "contact/model/opposite_points.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -17,13 +19,11 @@ constexpr double resolved_fraction = 0.1;
 constexpr double min_depth = 1e-5;
 constexpr int max_levels = 14;
 constexpr std::size_t max_leaves = 8192;
-/// Grid coordinates, from a surface into the body: less than the thinnest cells that are kept.
-constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
 constexpr double min_facing_cosine = 0.1;
 
 /// Square of the plane across the group's mean normal, with the samples in the middles of its quarters.
-struct Leaf {
+struct SampleLeaf {
   double s = 0, t = 0, size = 0;  ///< centre and side, m
   struct Sample {
     bool hit = false;                ///< both bodies
@@ -44,9 +44,9 @@ struct Leaf {
 /// Returns the gradient of the height of a surface with normal m over the plane with normal n.
 Vec3 height_gradient(const Vec3& m, const Vec3& n) { return -(m - m.dot(n) * n) / m.dot(n); }
 
-class Sampler {
+class LeafSampler {
  public:
-  Sampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
+  LeafSampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
       : bodies_(bodies),
         pair_(pair),
         group_(group),
@@ -75,14 +75,14 @@ class Sampler {
     }
   }
 
-  Leaf leaf(double s, double t, double size) const {
-    Leaf l{s, t, size, {}};
+  SampleLeaf leaf(double s, double t, double size) const {
+    SampleLeaf l{s, t, size, {}};
     for (int k = 0; k < 4; ++k)
       l.samples[k] = sample(s + ((k & 1) - 0.5) * 0.5 * size, t + ((k >> 1) - 0.5) * 0.5 * size);
-    const bool all = std::all_of(l.samples, l.samples + 4, [](const Leaf::Sample& sample) { return sample.hit; });
+    const bool all = std::all_of(l.samples, l.samples + 4, [](const SampleLeaf::Sample& sample) { return sample.hit; });
     // To the farthest point of its quarter, or of the leaf where other samples miss the bodies: there an edge or a tip
     // ends, and what lies beside the leaf gives the depth.
-    for (const Leaf::Sample& sample : l.samples) l.see(sample, (all ? 1 : 3) * size * std::sqrt(2.0) / 4);
+    for (const SampleLeaf::Sample& sample : l.samples) l.see(sample, (all ? 1 : 3) * size * std::sqrt(2.0) / 4);
     if (all) return l;
     for (int k = 0; k < 16; ++k) {
       const int i = k % 4, j = k / 4;
@@ -92,9 +92,9 @@ class Sampler {
     return l;
   }
   double side() const { return side_; }
-  double area(const Leaf& leaf) const { return 0.25 * area_factor_ * leaf.size * leaf.size; }
+  double area(const SampleLeaf& leaf) const { return 0.25 * area_factor_ * leaf.size * leaf.size; }
   /// Returns whether the leaf may lie in the group's cell.
-  bool may_hold(const Leaf& leaf) const {
+  bool may_hold(const SampleLeaf& leaf) const {
     const Grid& grid = cells_.grid;
     const double reach = leaf.size / std::sqrt(2.0) / group_.larger_cell;  // all in cells
     // A surface may lie above or below the plane: the distance across it does not count.
@@ -107,8 +107,8 @@ class Sampler {
   }
 
  private:
-  Leaf::Sample sample(double s, double t) const {
-    Leaf::Sample result;
+  SampleLeaf::Sample sample(double s, double t) const {
+    SampleLeaf::Sample result;
     const Grid& grid = primary_.cut_cells.grid;
     const Solid& solid = primary_.cut_cells.solid;
     const Vec3 start = grid.to_grid(centre_ + s * along_s_ + t * along_t_);
@@ -171,7 +171,7 @@ class GapSampler::Impl {
     }
   };
 
-  const Leaf& leaf(const LeafIndex& index) {
+  const SampleLeaf& leaf(const LeafIndex& index) {
     const auto [found, is_new] = leaves_.try_emplace(index.key());
     if (is_new) {
       const double size = std::ldexp(sampler_.side() / first_leaves, -index.level);
@@ -181,9 +181,9 @@ class GapSampler::Impl {
     return found->second;
   }
 
-  Sampler sampler_;
+  LeafSampler sampler_;
   const ContactGroup& group_;
-  std::unordered_map<std::uint64_t, Leaf> leaves_;
+  std::unordered_map<std::uint64_t, SampleLeaf> leaves_;
 };
 
 std::vector<GapSample> GapSampler::Impl::samples(double limit) {
@@ -191,15 +191,15 @@ std::vector<GapSample> GapSampler::Impl::samples(double limit) {
   for (int i = 0; i < first_leaves; ++i)
     for (int j = 0; j < first_leaves; ++j) indices.push_back({0, i, j});
   double smallest = 1e300;
-  const auto look = [&](const Leaf& leaf) {
-    for (const Leaf::Sample& sample : leaf.samples)
+  const auto look = [&](const SampleLeaf& leaf) {
+    for (const SampleLeaf::Sample& sample : leaf.samples)
       if (sample.inside) smallest = std::min(smallest, sample.distance);
   };
   for (const LeafIndex& index : indices) look(leaf(index));
   for (int level = 0; level < max_levels; ++level) {
     const double depth = std::max(limit - smallest, min_depth * group_.larger_cell);
     const auto fine = [&](const LeafIndex& index) {
-      const Leaf& square = leaf(index);
+      const SampleLeaf& square = leaf(index);
       return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_fraction * depth;
     };
     const std::size_t coarse = indices.size() - std::count_if(indices.begin(), indices.end(), fine);
@@ -221,8 +221,8 @@ std::vector<GapSample> GapSampler::Impl::samples(double limit) {
   std::vector<GapSample> samples;
   if (!(smallest < limit)) return samples;
   for (const LeafIndex& index : indices) {
-    const Leaf& square = leaf(index);
-    for (const Leaf::Sample& sample : square.samples)
+    const SampleLeaf& square = leaf(index);
+    for (const SampleLeaf::Sample& sample : square.samples)
       if (sample.inside) samples.push_back({sample.x, sampler_.area(square), sample.distance});
   }
   return samples;

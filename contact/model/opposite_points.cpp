@@ -6,8 +6,6 @@
 namespace cgcontact {
 namespace {
 
-/// Cells, from a surface into the body: less than the thinnest cells that are kept, more than rounding of positions.
-constexpr double inward_step = 1e-12;
 /// Cells: crossings nearer than this to the ends of a line of sight are those ends themselves (positions on curved
 /// surfaces are rounded).
 constexpr double end_tolerance = 1e-6;

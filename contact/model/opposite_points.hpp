@@ -13,6 +13,9 @@ struct Reach {
   double behind = 0;  ///< overlaps
 };
 
+/// Cells, from a surface into the body: less than the thinnest cells that are kept, more than rounding of positions.
+constexpr double inward_step = 1e-12;
+
 /// Point of another body's boundary met along a normal.
 struct OppositePoint {
   double distance;  ///< m, along the ray (negative: the bodies overlap there)

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/text.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -13,7 +15,7 @@ namespace {
 constexpr double sticking_out = 1e-6, thinnest = 0.5;
 /// Tolerance of the normals and, in cells, of the positions of the ends: triangle surfaces have coordinates in single
 /// precision.
-constexpr double flat = 1e-3;
+constexpr double flat_end_tolerance = 1e-3;
 /// Fraction of a load: less than that along the axis is none.
 constexpr double along_axis = 1e-3;
 /// Fraction of the thickness: triangle surfaces have coordinates in single precision.
@@ -24,8 +26,6 @@ constexpr double same_ends = 1e-5;
       body.axisymmetric() ? coordinate_names()[body.axis_of_revolution()] : name_of(*body.plane_strain);
   throw InputError(body.plane_strain_location, '"' + axis + '"', "body \"" + body.name + "\": " + problem, allowed);
 }
-
-std::string at(const Vec3& x) { return fmt::format("at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
 
 std::string name_of_face(const Scene& scene, const FaceRef& face) {
   return '"' + scene.bodies[face.body].name + "." + face.face.name + '"';
@@ -46,7 +46,7 @@ std::pair<double, double> ends_of(const BodySpec& body) {
 bool on_end(const BodyModel& body, int point) { return std::abs(body.normal(point)[axis_of(*body.spec)]) > 0.5; }
 
 std::string on_end_text(const BodySpec& body, const Vec3& x) {
-  return "lies on an end of a body in plane strain across " + name_of(*body.plane_strain) + ", " + at(x);
+  return "lies on an end of a body in plane strain across " + name_of(*body.plane_strain) + ", " + at_position(x);
 }
 
 void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
@@ -60,10 +60,10 @@ void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
     if (std::abs(p.normal[axis_of(body)]) > 0.5)
       throw InputError(support.location, name_of_face(scene, support.face),
                        on_end_text(body, x) + ": its ends hold of themselves", "supports on the sides only");
-    if (p.value == 0 || std::abs(p.direction[axis_of(body)]) <= flat) continue;
+    if (p.value == 0 || std::abs(p.direction[axis_of(body)]) <= flat_end_tolerance) continue;
     const std::string moves = body.axisymmetric() ? "turns a body of revolution about its axis"
                                                   : "moves a body in plane strain along " + axis;
-    throw InputError(support.location, name_of_face(scene, support.face), moves + ", " + at(x),
+    throw InputError(support.location, name_of_face(scene, support.face), moves + ", " + at_position(x),
                      "no displacement along " + axis + ", or 0");
   }
 }
@@ -96,7 +96,7 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
                        fmt::format("acts along {}, {}, {}", name,
                                    body.spec->axisymmetric() ? "around the axis of revolution"
                                                              : "across which the body is in plane strain",
-                                   at(x)),
+                                   at_position(x)),
                        "no traction along " + name);
   }
 }
@@ -109,8 +109,8 @@ void check_inertia_of_revolution(const BodySpec& body) {
   const std::string& name = coordinate_names()[along];
   if ((inertia.weight - inertia.weight.dot(axis) * axis).norm() > along_axis * inertia.weight.norm())
     refuse(body, "gravity acts across its axis of revolution", "gravity along " + name);
-  if (inertia.spin != 0 &&
-      (inertia.axis.cross(axis).norm() > flat || inertia.centre.cross(axis).norm() > sticking_out * body.unit_radius))
+  if (inertia.spin != 0 && (inertia.axis.cross(axis).norm() > flat_end_tolerance ||
+                            inertia.centre.cross(axis).norm() > sticking_out * body.unit_radius))
     refuse(body, "it rotates about another axis than that of revolution", "rotation about " + name);
 }
 
@@ -121,7 +121,7 @@ void check_body_force(const BodyModel& body) {
   const int axis = axis_of(*body.spec);
   // Quadtrees have the plane in the middle only, where such a rotation has no force along the axis.
   if (const Inertia& inertia = body.spec->inertia;
-      !axisymmetric && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
+      !axisymmetric && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat_end_tolerance)
     refuse(*body.spec, "it rotates about another axis than that of plane strain",
            "rotation about an axis along " + name_of(*body.spec->plane_strain));
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
@@ -129,7 +129,8 @@ void check_body_force(const BodyModel& body) {
     if (std::abs(force[axis]) > along_axis * force.norm())
       refuse(*body.spec,
              fmt::format("the force on its volume acts {}, {}",
-                         axisymmetric ? "around its axis of revolution" : "along the axis of plane strain", at(x)),
+                         axisymmetric ? "around its axis of revolution" : "along the axis of plane strain",
+                         at_position(x)),
              axisymmetric ? "none around it" : "no body force along it");
   }
 }
@@ -191,11 +192,11 @@ void check_extruded(const BodySpec& body, const CutCells& cells) {
   }
   for (std::size_t p = 0; p < boundary.size(); ++p) {
     const double normal = boundary.normal[p][axis], position = boundary.position[p][axis];
-    const bool side = std::abs(normal)<flat, end = std::abs(normal)> 1 - flat;
-    if (side || (end && std::abs(position - (normal < 0 ? low : high)) < flat)) continue;
+    const bool side = std::abs(normal)<flat_end_tolerance, end = std::abs(normal)> 1 - flat_end_tolerance;
+    if (side || (end && std::abs(position - (normal < 0 ? low : high)) < flat_end_tolerance)) continue;
     refuse(body,
            "its boundary is neither an end nor along the axis of plane strain, " +
-               at(cells.grid.to_global(boundary.position[p])),
+               at_position(cells.grid.to_global(boundary.position[p])),
            "a prism between two planes across the axis");
   }
   for (const Index3& cell : cells.cells)
@@ -219,7 +220,7 @@ void check_plane_strain(const Scene& scene, const std::vector<BodyModel>& bodies
         if (std::abs(point.normal[axis_of(body)]) > 0.5)
           throw InputError(pair.spec->location, '"' + pair.spec->name + '"',
                            fmt::format("presses body \"{}\" along {}, across which it is in plane strain, {}",
-                                       body.name, name_of(*body.plane_strain), at(point.x)),
+                                       body.name, name_of(*body.plane_strain), at_position(point.x)),
                            "contact of the sides only");
     }
 }

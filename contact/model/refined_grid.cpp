@@ -20,7 +20,7 @@ constexpr double equal_sizes = 1e-9;
 constexpr double too_large = 0.999;
 
 /// A divided cell that the body touches leaves at least so many cells more, some of its children being outside.
-constexpr double min_gain = 2, min_gain_in_plane = 1;
+constexpr double min_added_cells = 2, min_added_cells_in_plane = 1;
 /// Memory that a cell takes at least (contact/model/memory.cpp).
 constexpr double min_bytes = 500;
 
@@ -29,7 +29,7 @@ CellTree tree_of_sizes(const BodySpec& body, const BodyGeometry& geometry, const
   const double memory = memory_budget().bytes, max_cells = std::min(body.max_cells, memory / min_bytes);
   try {
     return refine_cells(geometry, grid, wanted, levels,
-                        max_cells / (grid.is_quadtree() ? min_gain_in_plane : min_gain));
+                        max_cells / (grid.is_quadtree() ? min_added_cells_in_plane : min_added_cells));
   } catch (const TooManyCells&) {
     throw TooManyCells(fmt::format("its smaller cells would be more than {}, too many for {}; ask for larger ones",
                                    grouped(static_cast<long long>(max_cells)),

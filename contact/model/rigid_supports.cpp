@@ -12,7 +12,7 @@ namespace cgcontact {
 namespace {
 
 /// Rounding, relative to the largest prescribed displacement, also that of a scene's numbers.
-constexpr double equal = 1e-6;
+constexpr double displacement_rounding = 1e-6;
 /// Fraction of the firmest held motion: those that are held by less are free.
 constexpr double not_held = 1e-10;
 
@@ -51,7 +51,7 @@ void check(const Scene& scene, const BodyModel& body, const std::vector<const Su
   const auto misfit = [&](std::size_t i) { return std::abs(row(i).dot(motion) - points[i]->prescribed); };
   for (std::size_t i = 0; i < points.size(); ++i)
     if (misfit(i) > misfit(worst)) worst = i;
-  if (misfit(worst) <= equal * largest) return;
+  if (misfit(worst) <= displacement_rounding * largest) return;
   const SupportSpec& support = scene.supports[points[worst]->support];
   const Vec3& x = positions[worst];
   throw InputError(

@@ -7,7 +7,7 @@ namespace cgcontact {
 namespace {
 
 /// Fraction of squares: motions that resist or miss by less count as none, rounding is far below.
-constexpr double tolerance = 1e-10;
+constexpr double balance_tolerance = 1e-10;
 
 }  // namespace
 
@@ -77,9 +77,9 @@ bool Statics::loads_give(int pair, const Vec3& direction) const {
   }
   double met = 0;
   for (Eigen::Index k = 0; k < values.size(); ++k)
-    if (values[k] > tolerance * values.maxCoeff())
+    if (values[k] > balance_tolerance * values.maxCoeff())
       met += std::pow(impl_->matrix.eigenvectors().col(k).dot(right), 2) / values[k];
-  return square > 0 && 1 - met / square < tolerance;
+  return square > 0 && 1 - met / square < balance_tolerance;
 }
 
 }  // namespace cgcontact

@@ -14,7 +14,7 @@ namespace cgcontact {
 namespace {
 
 /// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
-constexpr double same_face = 0.5;
+constexpr double same_face_cosine = 0.5;
 
 double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
 
@@ -40,7 +40,7 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
   const ContactLink* nearest = nullptr;
   for (int l : body.boundary.links_of_cell[cell]) {
     const ContactLink& link = body.boundary.links[l];
-    if (link.pair != pair || link.normal.dot(n) < same_face) continue;
+    if (link.pair != pair || link.normal.dot(n) < same_face_cosine) continue;
     if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
       nearest = &link;
   }

@@ -21,7 +21,7 @@ constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
 constexpr double min_angle = 1e-4;
 /// Fraction of a zone's force that decides nothing.
-constexpr double relevant_fraction = 0.01;
+constexpr double max_fraction_at_end = 0.01;
 
 /// Planes that both bodies have; a rigid body needs none.
 std::vector<SymmetryPlane> planes_of(const SolvedState& state, const ContactPair& pair) {
@@ -51,7 +51,7 @@ bool reaches_end(const ZonePatches& patches, const FaceZone& zone) {
     force += zone.groups[g].force;
     if (end[g] >= patches.h() / 2) at_end += zone.groups[g].force;
   }
-  return at_end > relevant_fraction * force;
+  return at_end > max_fraction_at_end * force;
 }
 
 /// Width of the widest facets of a body where it touches, m; 0: it is not made of triangles there.

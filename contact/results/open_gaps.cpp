@@ -16,7 +16,7 @@ namespace {
 /// most (docs/decisions.md).
 constexpr double safety = 3;
 /// Fraction of the error that a gap counts as, where it is next to nothing.
-constexpr double min_ratio = 0.1;
+constexpr double min_gap_ratio = 0.1;
 
 /// The largest displacement by which each body deforms, its rigid motion aside, m.
 std::vector<double> deformations(const SolvedState& state) {
@@ -64,7 +64,7 @@ void estimate_gap_errors(const SolvedState& state, Results& results) {
   }
 }
 
-double refinement_to_tell(double gap, double error) { return std::sqrt(std::max(gap / error, min_ratio)); }
+double refinement_to_tell(double gap, double error) { return std::sqrt(std::max(gap / error, min_gap_ratio)); }
 
 std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results) {
   std::vector<UnclearGap> unclear;

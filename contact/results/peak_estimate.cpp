@@ -9,7 +9,7 @@ namespace cgcontact {
 namespace {
 
 /// Fraction of the largest pressure, and cells away from it, that belong to the peak.
-constexpr double near_largest = 0.9, reach = 4;
+constexpr double near_largest = 0.9, peak_reach = 4;
 /// Fraction of the largest singular value: directions below have no rows that fix the fit's coefficients (a row of
 /// cells).
 constexpr double rank_tolerance = 1e-6;
@@ -29,7 +29,7 @@ std::vector<const ContactRow*> rows_near_largest(const std::vector<ContactRow>& 
 std::vector<const ContactRow*> rows_of_peak(std::vector<const ContactRow*> rows, const PairFigures& figures) {
   rows.erase(std::remove_if(rows.begin(), rows.end(),
                             [&](const ContactRow* row) {
-                              return (row->x - figures.max_pressure_at).norm() > reach * row->larger_cell;
+                              return (row->x - figures.max_pressure_at).norm() > peak_reach * row->larger_cell;
                             }),
              rows.end());
   return rows;
@@ -60,7 +60,7 @@ double largest_of_fit(const std::vector<const ContactRow*>& peak, const PairFigu
 
 bool is_singular(const Results& results, const Vec3& x) {
   return std::any_of(results.singular_points.begin(), results.singular_points.end(),
-                     [&](const SingularPoint& point) { return (point.x - x).norm() <= reach * point.cell; });
+                     [&](const SingularPoint& point) { return (point.x - x).norm() <= peak_reach * point.cell; });
 }
 
 }  // namespace

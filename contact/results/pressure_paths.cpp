@@ -21,7 +21,7 @@ constexpr int num_samples = 401;
 constexpr double below_face = 1e-3;
 /// Steps of the first walk to the ends of a path, in cells, and their number at most.
 constexpr double walk_step = 0.25;
-constexpr int max_steps = 4000;
+constexpr int max_walk_steps = 4000;
 /// Distance from the last pressure to the end of a path: fraction of its length, and cells.
 constexpr double beyond = 0.3, beyond_cells = 2;
 /// Fraction of the largest pressure of the pair.
@@ -100,7 +100,7 @@ Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec
   double last_pressed = 0;
   bool goes_on = true;
   Extent extent;
-  walk(project, top, along, walk_step * h, max_steps, [&](const ContactRow& row, double way) {
+  walk(project, top, along, walk_step * h, max_walk_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > hardly_any_pressure * top.pressure_sprc) last_pressed = way;
@@ -140,9 +140,9 @@ std::vector<PathPoint> path_points(const SolvedState& state, const Results& resu
   return points;
 }
 
-class Sampler {
+class PathSampler {
  public:
-  Sampler(const SolvedState& state, const FaceProjection& project, Results& results)
+  PathSampler(const SolvedState& state, const FaceProjection& project, Results& results)
       : state_(state), project_(project), results_(results), reference_(state.scene, state.reference) {}
 
   /// Both bodies of a pair, or of any for pair = -1.
@@ -218,7 +218,7 @@ std::optional<ContactRow> FaceProjection::operator()(int body, int pair, const V
 void fill_paths(const SolvedState& state, Results& results) {
   if (results.contact_rows.empty()) return;
   const FaceProjection project(state, results);
-  Sampler sampler(state, project, results);
+  PathSampler sampler(state, project, results);
   if (state.scene.output.path) {
     const auto& [from, to] = *state.scene.output.path;
     std::vector<PathPoint> points;

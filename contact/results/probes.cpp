@@ -13,7 +13,7 @@ namespace cgcontact {
 namespace {
 
 /// Fraction of a cell: a point nearer to a contact face lies on it.
-constexpr double on_face = 1e-3;
+constexpr double on_face_distance = 1e-3;
 
 class Prober {
  public:
@@ -60,7 +60,7 @@ class Prober {
   double contact_pressure(int body, const Vec3& x) const {
     const auto row = project_(body, -1, x);
     const CutCells& cells = state_.bodies[body].cut_cells;
-    const bool there = row && (row->x - cells.grid.in_layer(x)).norm() < on_face * cells.h(row->cell);
+    const bool there = row && (row->x - cells.grid.in_layer(x)).norm() < on_face_distance * cells.h(row->cell);
     return there ? row->pressure_sprc : std::numeric_limits<double>::quiet_NaN();
   }
 

@@ -9,6 +9,7 @@
 #include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
+#include "core/base/text.hpp"
 #include "kernels/mesh/hex.hpp"
 
 namespace cgcontact {
@@ -79,8 +80,6 @@ double size_of(const BodySpec& spec) {
   return (high - low).maxCoeff();
 }
 
-std::string at(const Vec3& x) { return fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
-
 }  // namespace
 
 std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results) {
@@ -98,13 +97,13 @@ std::vector<std::string> small_strain_warnings(const SolvedState& state, const R
       if (too_large) text += (text.empty() ? "" : ", ") + phrase;
     };
     add(extremes.strain.value > limits.largest_strain,
-        fmt::format("strain {:.2g} %{}", 100 * extremes.strain.value, at(extremes.strain.x)));
+        fmt::format("strain {:.2g} % {}", 100 * extremes.strain.value, at_position(extremes.strain.x)));
     add(extremes.displacement.value > limits.largest_displacement * size,
-        fmt::format("displacement {:.3g} m, {:.2g} % of the body,{}", extremes.displacement.value,
-                    100 * extremes.displacement.value / size, at(extremes.displacement.x)));
+        fmt::format("displacement {:.3g} m, {:.2g} % of the body, {}", extremes.displacement.value,
+                    100 * extremes.displacement.value / size, at_position(extremes.displacement.x)));
     add(pressure.value > limits.largest_pressure * modulus,
-        fmt::format("contact pressure {:.3g} Pa, {:.2g} % of E,{}", pressure.value, 100 * pressure.value / modulus,
-                    at(pressure.x)));
+        fmt::format("contact pressure {:.3g} Pa, {:.2g} % of E, {}", pressure.value, 100 * pressure.value / modulus,
+                    at_position(pressure.x)));
     if (!text.empty())
       warnings.push_back(
           fmt::format("body \"{}\": too much for small strain and small sliding, the result is at best "

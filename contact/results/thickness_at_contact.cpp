@@ -12,7 +12,7 @@ namespace cgcontact {
 namespace {
 
 /// Cells around those with closed points. Faces, edges and corners of solid bodies count as eight cells thick.
-constexpr int reach = 3;
+constexpr int num_cells_around = 3;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ Thickness thickness_at_contact(const SolvedState& state, const ContactPair& pair
     largest = std::min(largest, cells.level(cell));
   }
   std::vector<char> near(cells.cells.size(), 0);
-  mark_cells_around(cells, closed, reach, near);
+  mark_cells_around(cells, closed, num_cells_around, near);
   double volume = 0;
   for (int e = 0; e < static_cast<int>(near.size()); ++e)
     if (near[e]) volume += cells.volume(e);

@@ -23,7 +23,7 @@ constexpr double of_ellipse = 4 * pi, of_rectangle = 12, near_shape = 0.25;
 /// Cosine between planes of symmetry that are across each other; of curvatures, the larger one: no curvature.
 constexpr double across = 1e-6, no_curvature = 1e-6;
 /// Fraction of a body's size that is rounding; cells by which a face may miss its mirror image.
-constexpr double same_position = 1e-6, same_face = 0.01;
+constexpr double same_position = 1e-6, mirror_tolerance = 0.01;
 /// Half the width of the zone over the smallest radius of curvature up to which Hertz's half-spaces stand for bodies.
 constexpr double max_width = 0.5;
 
@@ -121,7 +121,7 @@ class Zone {
     if (high[2] - plane.normal.dot(plane.point) <= same_position * size) return true;
     return std::all_of(rows_.begin(), rows_.end(), [&](const ContactRow* row) {
       if (&state_.bodies[row->body] != &rigid) return true;
-      const Vec3 x = plane.image(row->x), aside = same_face * row->larger_cell * plane.turned(row->normal);
+      const Vec3 x = plane.image(row->x), aside = mirror_tolerance * row->larger_cell * plane.turned(row->normal);
       return rigid.spec->holds(x - aside) && !rigid.spec->holds(x + aside);
     });
   }

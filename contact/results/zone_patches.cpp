@@ -11,7 +11,7 @@ namespace {
 /// Fraction of a cell: a point is on a face when a contact point is as near as that.
 constexpr double point_spacing = 0.7;
 /// Fraction of a cell: a point this near to the border of a cell is in it.
-constexpr double same_cell = 1e-6;
+constexpr double cell_border = 1e-6;
 /// Fraction of a cell: a point that moves by less is on the surface, and its normal that of the surface there.
 constexpr double on_surface = 1e-9;
 /// Samples along a cell, and along a patch at least, to find the groups that they belong to.
@@ -53,7 +53,7 @@ ZonePatches::ZonePatches(const SolvedState& state, const PairGroups& face, const
   }
   for (const ContactGroup& group : pair_.groups) {
     const CutCells& cc = state.bodies[group.body].cut_cells;
-    const Vec3 border = Vec3::Constant(same_cell * cc.size(group.cell)), low = cc.corner(group.cell);
+    const Vec3 border = Vec3::Constant(cell_border * cc.size(group.cell)), low = cc.corner(group.cell);
     cells_.push_back({low - border, low + Vec3::Constant(cc.size(group.cell)) + border, group.body == pair_.primary});
   }
 }
@@ -67,7 +67,7 @@ std::optional<ZonePatches> ZonePatches::make(const SolvedState& state, const Pai
   for (const int q : patches.near_)
     if (patches.is_closed(q))
       points.push_back({patches.pair_.points.x(q), patches.pair_.points.normal(q), patches.pair_.points.weight(q)});
-  patches.chart_ = FaceChart::make(points, patches.planes_, patches.across_,
+  patches.chart_ = ZoneChart::make(points, patches.planes_, patches.across_,
                                    state.bodies[patches.pair_.primary].cut_cells.grid.rotation);
   if (!patches.chart_ || !patches.lay_grid()) return std::nullopt;
   patches.lay_meridian();

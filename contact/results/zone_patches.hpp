@@ -15,7 +15,7 @@ class ZonePatches {
                                          const FaceOptions& options);
 
   const FaceGrid& grid() const { return grid_; }
-  const FaceChart& chart() const { return *chart_; }
+  const ZoneChart& chart() const { return *chart_; }
   double h() const { return h_; }                  ///< m, the larger cells of both bodies at the zone
   double thickness() const { return thickness_; }  ///< m, of plane strain; else 1
   bool is_closed(int point) const { return face_.groups()[pair_.points.group(point)].closed(); }
@@ -68,7 +68,7 @@ class ZonePatches {
   std::vector<SymmetryPlane> planes_;
   std::vector<int> near_;
   std::vector<Cell> cells_;  ///< of all groups
-  std::optional<FaceChart> chart_;
+  std::optional<ZoneChart> chart_;
   FaceGrid grid_;
   std::optional<PointBuckets> points_;  ///< near_, by coordinates_
   std::vector<Vec3> coordinates_;

@@ -19,9 +19,9 @@ namespace {
 
 /// Distance, cells, below which the closed areas' centres of two cells are of one zone: a single row of open ones (the
 /// discrete pressure oscillates beside a peak) does not separate it.
-constexpr double connected = 2.3;
+constexpr double max_cell_spacing = 2.3;
 /// Zones that carry less of the pair's force are its noise.
-constexpr double relevant_fraction = 0.05;
+constexpr double min_zone_fraction = 0.05;
 /// One closed group says no more than that the zone is about a cell: counted zones are no narrower than that, cells.
 constexpr double narrowest = 0.5;
 /// Half the thickness of the slice through a zone in which the spread of the forces counts, cells.
@@ -82,7 +82,7 @@ class PairZones {
     ZoneWidth least;
     for (const auto& [name, zone] : zones_) total += zone.force;
     for (const auto& [name, zone] : zones_) {
-      if (!(zone.force > relevant_fraction * total)) continue;
+      if (!(zone.force > min_zone_fraction * total)) continue;
       const ZoneWidth here = width(zone);
       if (here.cells && (!least.cells || *here.cells < *least.cells)) least = here;
     }
@@ -99,10 +99,10 @@ class PairZones {
     double largest = 0;
     for (const TransmittedForce* cell : cells_) largest = std::max(largest, cell->cell_size);
     const std::vector<int> zone = connected_sets(
-        cells_.size(), connected * largest, [&](std::size_t i) { return cells_[i]->position; },
+        cells_.size(), max_cell_spacing * largest, [&](std::size_t i) { return cells_[i]->position; },
         [&](int i, int k) {
           const TransmittedForce &a = *cells_[i], &b = *cells_[k];
-          return !((a.position - b.position).norm() > connected * std::max(a.cell_size, b.cell_size));
+          return !((a.position - b.position).norm() > max_cell_spacing * std::max(a.cell_size, b.cell_size));
         });
     for (std::size_t i = 0; i < cells_.size(); ++i) zone_of_[{cells_[i]->cell, cells_[i]->image}] = zone[i];
   }
@@ -209,7 +209,7 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
     for (std::size_t g = 0; g < state.pairs[p].groups.size(); ++g)
       total += std::abs(state.outer.group_force[group++]) * state.scales.stress * std::pow(state.scales.length, 2);
     const auto [width, cell, force] = state.outer.small_zone_width[p];
-    if (width > 0 && force > relevant_fraction * total && width / cell < widths[p].cells.value_or(1e300))
+    if (width > 0 && force > min_zone_fraction * total && width / cell < widths[p].cells.value_or(1e300))
       widths[p] = {width / cell, cell};
   }
   return widths;

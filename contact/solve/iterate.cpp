@@ -35,7 +35,7 @@ Iterate::Iterate(const OuterProblem& outer_problem)
       support_directions_(support_directions(problem)),
       row_directions_(row_directions(problem)),
       entry_index_(indices_of_entries(problem.system.groups)) {
-  contact_stress = PointValues("cgcontact::iterate::contact_stress", groups_.weight.extent(0));
+  contact_stress = PointStresses("cgcontact::iterate::contact_stress", groups_.weight.extent(0));
   groups_.lagged = contact_stress.d_view;
   supports_.lagged = support_stress.d_view;
 }
@@ -47,7 +47,7 @@ void Iterate::forget() {
   small_zones.forget();
   friction.forget();
   last_spring_steps_.clear();
-  for (PointValues* values : {&support_stress, &contact_stress}) {
+  for (PointStresses* values : {&support_stress, &contact_stress}) {
     Kokkos::deep_copy(values->h_view, 0.0);
     values->modify_host();
   }
@@ -64,7 +64,7 @@ void Iterate::warm_start_from(const Iterate& other) {
     body_motions.move(b, motion.translation, motion.rotation, motion.centre);
   }
   Kokkos::deep_copy(rigid_gap_change, 0.0);
-  const auto take = [](PointValues& to, const PointValues& from) {
+  const auto take = [](PointStresses& to, const PointStresses& from) {
     const std::size_t size = std::min(to.h_view.extent(0), from.h_view.extent(0));
     Kokkos::deep_copy(to.h_view, 0.0);
     for (std::size_t i = 0; i < size; ++i) to.h_view(i) = from.h_view(i);
@@ -89,13 +89,13 @@ void Iterate::set_rigid_motions_aside() {
 const ContactGroupArrays<MemSpace>& Iterate::groups() const {
   take_state(problem, small_zones, groups_);
   friction.put_into(groups_);
-  PointValues(contact_stress).sync_device();  // shares the memory
+  PointStresses(contact_stress).sync_device();  // shares the memory
   return groups_;
 }
 
 const SupportArrays<MemSpace>& Iterate::supports() const {
   take_values(problem, supports_);
-  PointValues(support_stress).sync_device();
+  PointStresses(support_stress).sync_device();
   return supports_;
 }
 

@@ -15,7 +15,7 @@ namespace cgcontact {
 constexpr double no_force = 1e-10;
 
 /// Values of points that the host sets (h_view, then modify_host()) and kernels read.
-using PointValues = Kokkos::DualView<double*, ExecSpace>;
+using PointStresses = Kokkos::DualView<double*, ExecSpace>;
 
 std::vector<double> to_host(const RealView& values);
 
@@ -72,9 +72,9 @@ struct Iterate {
   FloatingBodies floating;
   SmallZones small_zones;
   Friction friction;
-  PointValues support_stress;  ///< of each support point, Scales::stress
-  PointValues contact_stress;  ///< p* of the points of all pairs, in turn, Scales::stress
-  RealView rigid_gap_change;   ///< of each contact group, m
+  PointStresses support_stress;  ///< of each support point, Scales::stress
+  PointStresses contact_stress;  ///< p* of the points of all pairs, in turn, Scales::stress
+  RealView rigid_gap_change;     ///< of each contact group, m
 
  private:
   static double whole_length_of(const std::vector<double>& step, std::vector<double>& last);

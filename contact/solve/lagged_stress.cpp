@@ -22,7 +22,7 @@ struct Change {
 
   /// New values of points, the first of which is number `first` among all.
   template <class WeightAt, class StressAt>
-  void replace(PointValues& values, std::size_t first, std::size_t count, const WeightAt& weight_at,
+  void replace(PointStresses& values, std::size_t first, std::size_t count, const WeightAt& weight_at,
                const StressAt& stress_at) {
     std::vector<double> now(count);
     compute_together("cgcontact::lagged_stress::points", grain_of_medium, now, stress_at);

@@ -10,7 +10,7 @@ namespace cgcontact {
 namespace {
 
 /// Relative tolerance of the prescribed force; the outer iteration converges to about that.
-constexpr double tolerance = 1e-6;
+constexpr double preload_tolerance = 1e-6;
 /// The force is piecewise linear in the interference: a few solves, unless it does not follow it at all.
 constexpr int max_solves = 25;
 /// Growth of a pair's steps without a force until its faces meet; with one, largest ratio of a step to the tightening
@@ -78,7 +78,7 @@ bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<d
   for (Eigen::Index i = 0; i < size; ++i)
     if (std::abs(missing[i]) / *tightened_[i]->preload > std::abs(missing[worst]) / *tightened_[worst]->preload)
       worst = i;
-  if (std::abs(missing[worst]) <= tolerance * *tightened_[worst]->preload) return false;
+  if (std::abs(missing[worst]) <= preload_tolerance * *tightened_[worst]->preload) return false;
   if (++solves_ == max_solves) refuse(worst, force[worst]);
   if (guessed_ && solves_ == 1)  // in proportion, where the faces just touch without it
     for (Eigen::Index i = 0; i < size; ++i)

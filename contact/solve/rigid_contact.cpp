@@ -23,7 +23,7 @@ constexpr double open_at_first = 0.1, open_falls = 0.1;
 /// Fractions of the loads and contact forces: forces in balance, and the aim where rounding allows.
 constexpr double balanced = 1e-6, well_balanced = 1e-11;
 /// Fraction of the loads that the exact normals of one side may leave over.
-constexpr double little_load = 0.02;
+constexpr double max_load_left = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
 constexpr int max_steps = 100, many_steps = 30, max_halvings = 80;
 
@@ -47,7 +47,7 @@ struct SpringPoint {
 };
 
 /// Rigid bodies between springs, under loads: convex and piecewise quadratic.
-struct RigidBodies {
+struct BodiesOnSprings {
   std::vector<Spring> springs;
   std::vector<SpringPoint> points;
   Eigen::VectorXd load, motion;
@@ -75,7 +75,7 @@ struct RigidBodies {
 };
 
 /// Sum of all forces on the bodies.
-Eigen::VectorXd RigidBodies::unbalanced() const {
+Eigen::VectorXd BodiesOnSprings::unbalanced() const {
   Eigen::VectorXd sum = load;
   for (const Spring& s : springs) {
     const double force = press(s, gap(s)).first;
@@ -86,14 +86,14 @@ Eigen::VectorXd RigidBodies::unbalanced() const {
   return sum;
 }
 
-double RigidBodies::scale() const {
+double BodiesOnSprings::scale() const {
   double sum = load.norm();
   for (const Spring& s : springs) sum += std::abs(press(s, gap(s)).first);
   return sum;
 }
 
 /// Returns a Newton step; open: fraction of their stiffness that open springs have.
-Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force, double open) const {
+Eigen::VectorXd BodiesOnSprings::newton_step(const Eigen::VectorXd& force, double open) const {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<Eigen::Matrix<double, 6, 6>> diagonal(load.size() / 6, Eigen::Matrix<double, 6, 6>::Zero());
   const auto add = [&](int i, int j, const Eigen::Matrix<double, 6, 6>& block) {
@@ -125,7 +125,7 @@ Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force, double op
 }
 
 /// Returns the position of least energy along the step, up to its end: the slope of the energy grows.
-double RigidBodies::step_length(const Eigen::VectorXd& step) const {
+double BodiesOnSprings::step_length(const Eigen::VectorXd& step) const {
   std::vector<std::pair<double, double>> gaps;  // now, and its change along the step
   gaps.reserve(springs.size());
   for (const Spring& s : springs) gaps.emplace_back(gap(s), s.change(step));
@@ -145,7 +145,7 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
   return high;
 }
 
-bool RigidBodies::solve() {
+bool BodiesOnSprings::solve() {
   double open = open_at_first;
   for (int k = 0; k < max_steps; ++k) {
     const Eigen::VectorXd now = unbalanced();
@@ -192,7 +192,7 @@ Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>
 bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                    std::vector<ContactPair>& pairs) {
   const std::vector<RigidComponent> components = whole_bodies(bodies).list;
-  RigidBodies rigid;
+  BodiesOnSprings rigid;
   rigid.load = loads_on(bodies, components).first;
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
   const auto add = [&](Spring spring, double area) {
@@ -339,7 +339,7 @@ std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) co
 }
 
 FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
-  RigidBodies rigid;
+  BodiesOnSprings rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
   const std::vector<SurfaceNormals> normals(bodies_.begin(), bodies_.end());
@@ -375,7 +375,7 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
       rigid.springs.push_back(spring);
     }
   FreeMotions moving;
-  if (rigid.solve() || rigid.unbalanced().norm() <= little_load * rigid.load.norm()) return moving;
+  if (rigid.solve() || rigid.unbalanced().norm() <= max_load_left * rigid.load.norm()) return moving;
   moving.bodies = components_;
   moving.modes = rigid.unbalanced().normalized();
   return moving;
@@ -384,7 +384,7 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
                                                 const SmallZones& small_zones,
                                                 const std::vector<FrictionRow>& friction) const {
-  RigidBodies rigid;
+  BodiesOnSprings rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
   auto lagged = stress.begin();

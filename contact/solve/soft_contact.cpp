@@ -6,7 +6,7 @@ namespace cgcontact {
 namespace {
 
 /// Each time it becomes softer or stiffer; at most two times: a layer of kappa = 0.1 gives way like ten cells or more.
-constexpr double step_of_kappa = 10, softest = 0.01;
+constexpr double step_of_kappa = 10, min_stiffness_factor = 0.01;
 /// Fractions of a step that a line search leaves: after two below the first the active set swings (one is common at the
 /// start), above the second it is at rest, if at most a tenth of the closed points change.
 constexpr double short_step = 0.5, whole_step = 0.9, few = 0.1;
@@ -20,7 +20,7 @@ SoftContact::SoftContact(std::vector<ContactPair>& pairs) : pairs_(pairs) {
 void SoftContact::follow(const OuterStep& step) {
   short_steps_ = step.length < short_step ? short_steps_ + 1 : 0;
   if (short_steps_ > 1)
-    become(std::max(softest, factor_ / step_of_kappa));
+    become(std::max(min_stiffness_factor, factor_ / step_of_kappa));
   else if (step.length > whole_step && step.changed_points <= few * static_cast<double>(step.active_points))
     become(std::min(1.0, factor_ * step_of_kappa));
 }

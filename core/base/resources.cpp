@@ -67,7 +67,7 @@ double quota_of_group(const std::string& directory, bool version_2) {
 }
 
 /// Sets a variable; true if that changes the environment.
-bool set_variable(const char* name, const std::string& value) {
+bool set_environment(const char* name, const std::string& value) {
   const char* old = std::getenv(name);
   if (old && value == old) return false;
   setenv(name, value.c_str(), 1);
@@ -75,7 +75,7 @@ bool set_variable(const char* name, const std::string& value) {
 }
 
 bool set_if_absent(const char* name, const std::string& value) {
-  return !std::getenv(name) && set_variable(name, value);
+  return !std::getenv(name) && set_environment(name, value);
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ void restart_with_openmp_settings(int threads, char** argv) {
   } else if (threads <= 0) {
     threads = available_threads();
   }
-  bool changed = threads > 0 && set_variable("OMP_NUM_THREADS", std::to_string(threads));
+  bool changed = threads > 0 && set_environment("OMP_NUM_THREADS", std::to_string(threads));
   // Threads on a share of the machine stay unbound: two such programs would be bound to the same CPUs.
   if (!std::getenv("GOMP_CPU_AFFINITY")) {
     changed |= set_if_absent("OMP_PROC_BIND", threads == available ? "spread" : "false");

@@ -163,11 +163,22 @@ DisplayUnit force_unit(double largest) {
   return {1e3, "mN"};
 }
 
+std::string trimmed(std::string_view text) {
+  constexpr const char* blanks = " \t\r";
+  const std::size_t first = std::min(text.find_first_not_of(blanks), text.size());
+  return std::string(text.substr(first, text.find_last_not_of(blanks) + 1 - first));
+}
+
 double round_down(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
   for (double digit : {5.0, 2.0})
     if (digit * power <= value * (1 + 1e-9)) return digit * power;
   return power;
+}
+
+double two_digits(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::round(value / unit) * unit;
 }
 
 std::string short_number(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
@@ -200,5 +211,7 @@ std::string vector_text(const Vec3& v, const DisplayUnit& unit, int digits) {
 std::string position_text(const Vec3& x, int digits) {
   return vector_text(x, length_unit(x.cwiseAbs().maxCoeff()), digits);
 }
+
+std::string at_position(const Vec3& x) { return fmt::format("at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
 
 }  // namespace cgcontact

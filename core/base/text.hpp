@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/types.hpp"
@@ -17,8 +18,14 @@ std::string read_text(const std::string& file_name);
 /// Formats a field of a CSV file: quoted if it holds a comma, a quote or a line break.
 std::string csv_text(const std::string& text);
 
+/// Returns a text without the blanks, tabs and carriage returns at both ends.
+std::string trimmed(std::string_view text);
+
 /// Rounds down to 1, 2 or 5 times a power of ten.
 double round_down(double value);
+
+/// Rounds a number above zero to two significant digits.
+double two_digits(double value);
 
 /// Formats a number with `digits` significant digits, e.g. "9.37", "1.6e-06".
 std::string short_number(double value, int digits = 4);
@@ -68,5 +75,7 @@ DisplayUnit force_unit(double largest);   ///< N, kN, MN or mN
 std::string vector_text(const Vec3& v, const DisplayUnit& unit, int digits = 4);
 /// Formats a position with the unit that fits it.
 std::string position_text(const Vec3& x, int digits = 4);
+/// Formats a position in metres, "at (0.0012, 0, 0.003) m".
+std::string at_position(const Vec3& x);
 
 }  // namespace cgcontact

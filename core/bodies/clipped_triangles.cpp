@@ -17,7 +17,7 @@ namespace cgcontact {
 namespace {
 
 constexpr double plane_tolerance = 1e-10;
-constexpr double flat_tolerance = 1e-12;
+constexpr double grid_plane_tolerance = 1e-12;
 constexpr double join_tolerance = 1e-12;      // relative: facets as large as their convex hull fill it
 constexpr double straight_tolerance = 1e-13;  // sine of the angle at a corner
 constexpr double parallel_tolerance = 1e-14;
@@ -30,8 +30,6 @@ constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 /// Limits for a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); triangles
 /// from which on they are small, and rules on them need two degrees less.
 constexpr int few_points = 60, many_triangles = 15;
-/// Degrees that a rule on a triangle with a bent rim has more than one on a straight one.
-constexpr int bend_degrees = 4;
 
 /// Sides of all dividers, one bit each.
 using Sides = std::array<std::uint64_t, 4>;
@@ -570,7 +568,7 @@ std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double n
     high = std::max(high, polygon.x[i][axis]);
   }
   const double plane = std::round(0.5 * (low + high));
-  if (low > plane - flat_tolerance && high < plane + flat_tolerance) {
+  if (low > plane - grid_plane_tolerance && high < plane + grid_plane_tolerance) {
     const int owner = static_cast<int>(plane) - (normal > 0 ? 1 : 0);
     return {owner, owner};
   }
@@ -599,8 +597,8 @@ SurfacePolygon clipped_to_cell(const TriangleSurface& surface, int triangle, con
 std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell) {
   std::vector<int> found;
   // Triangles in a grid plane may lie just outside of their cell.
-  const Vec3 low = Vec3(cell[0], cell[1], cell[2]) - Vec3::Constant(2 * flat_tolerance),
-             high = low + Vec3::Constant(1 + 4 * flat_tolerance);
+  const Vec3 low = Vec3(cell[0], cell[1], cell[2]) - Vec3::Constant(2 * grid_plane_tolerance),
+             high = low + Vec3::Constant(1 + 4 * grid_plane_tolerance);
   surface.tree().visit(
       [&](const Vec3& min, const Vec3& max) {
         return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();

@@ -52,6 +52,9 @@ void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const U
 template <class Next, class Use>
 void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use);
 
+/// Degrees that a rule on a triangle with a bent rim has more than one on a straight one.
+constexpr int bend_degrees = 4;
+
 /// Adds the points of the given triangles, as cell_boundary_points (core/bodies/cell_facets.hpp). The facets of a patch
 /// in a cell are grouped by plane: up to 8 planes get the full rule on each, up to 32 one of degree 2 (in cells with
 /// more than 32 and 128 planes of all patches one degree less). With more planes a patch gets at most 29 points on each

@@ -14,10 +14,10 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double same = 1e-12;         // lengths relative to the profile: rounding of what the scene computes
-constexpr double widest_arc = pi / 3;  // angle of one segment: its triangle of tangents is flat
-constexpr int max_divisions = 6;       // of arcs that come near to something, in halves
-constexpr int tangents_around = 128;   // of the polygon that bounds an arc: 3e-4 of its radius
+constexpr double profile_rounding = 1e-12;  // lengths relative to the profile: rounding of what the scene computes
+constexpr double widest_arc = pi / 3;       // angle of one segment: its triangle of tangents is flat
+constexpr int max_divisions = 6;            // of arcs that come near to something, in halves
+constexpr int tangents_around = 128;        // of the polygon that bounds an arc: 3e-4 of its radius
 
 /// A line, or a segment of an arc, from `a` to `b`.
 struct EdgeSegment {
@@ -45,9 +45,10 @@ struct EdgeSegment {
 
 EdgeSegment segment_of(const ProfileEdge& edge, int number, double size) {
   EdgeSegment segment{edge.from, edge.to, number, std::nullopt, 0};
-  if ((edge.to - edge.from).norm() <= same * size) throw InputError(fmt::format("edge {} has no length", number + 1));
+  if ((edge.to - edge.from).norm() <= profile_rounding * size)
+    throw InputError(fmt::format("edge {} has no length", number + 1));
   if (!edge.is_arc) return segment;
-  const auto arc = arc_through(edge.from, edge.through, edge.to, same * size * size);
+  const auto arc = arc_through(edge.from, edge.through, edge.to, profile_rounding * size * size);
   if (!arc) throw InputError(fmt::format("edge {}: the three points of the arc lie on a line", number + 1));
   segment.circle = arc->circle;
   segment.turn = arc->turn;
@@ -86,7 +87,7 @@ class Outline {
       for (const Vec2& x : {edge.from, edge.to}) size_ = std::max(size_, (x - profile[0].from).norm());
     }
     for (std::size_t k = 0; k < profile.size(); ++k) {
-      if ((profile[k].to - profile[(k + 1) % profile.size()].from).norm() > same * size_)
+      if ((profile[k].to - profile[(k + 1) % profile.size()].from).norm() > profile_rounding * size_)
         throw InputError(std::string("a profile must be closed"));
       const EdgeSegment whole = segment_of(profile[k], static_cast<int>(k), size_);
       const int count = whole.circle ? static_cast<int>(std::ceil(std::abs(whole.turn) / widest_arc)) : 1;
@@ -142,7 +143,8 @@ class Outline {
     double area = 0;  // of the polygon of chords: it has the sign of the whole
     for (const EdgeSegment& segment : segments_)
       area += cross(segment.a - segments_[0].a, segment.b - segments_[0].a) / 2;
-    if (std::abs(area) <= same * size_ * size_) throw InputError(std::string("a profile must have an area"));
+    if (std::abs(area) <= profile_rounding * size_ * size_)
+      throw InputError(std::string("a profile must have an area"));
     if (area > 0) return;
     std::reverse(segments_.begin(), segments_.end());
     for (EdgeSegment& segment : segments_) {
@@ -199,20 +201,20 @@ class Revolution final : public Lift {
       : frame_(frame), hull_(std::move(hull)), size_(size) {}
 
   std::optional<CsgBody> left_of(const Vec2& a, const Vec2& b, const std::vector<std::string>& names) const override {
-    if (std::max(a[0], b[0]) <= same * size_) return std::nullopt;
+    if (std::max(a[0], b[0]) <= profile_rounding * size_) return std::nullopt;
     const Vec2 d = (b - a).normalized(), n(d[1], -d[0]);  // the line is n.x = offset
     const double offset = n.dot(a);
     Surface side;
     side.names = names;
     side.direction = frame_.second;
-    if (std::abs(n[0]) <= same) {
+    if (std::abs(n[0]) <= profile_rounding) {
       side.point = frame_.origin + a[1] * frame_.second;
       side.direction *= n[1] > 0 ? 1 : -1;
       return CsgBody({side}, hull_);
     }
     const bool outside = n[0] < 0;
     using Op = BooleanOp::Kind;
-    if (std::abs(n[1]) <= same) {
+    if (std::abs(n[1]) <= profile_rounding) {
       side.kind = Surface::Kind::cylinder;
       side.point = frame_.origin;
       side.radius = a[0];
@@ -285,13 +287,13 @@ class Assembly {
 
   /// Numbers of the corners on the convex hull, ascending.
   std::vector<int> hull(const std::vector<Corner>& corners) const {
-    const double tolerance = same * outline_.size() * outline_.size();
+    const double tolerance = profile_rounding * outline_.size() * outline_.size();
     std::vector<int> order(corners.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<int>(k);
     // Corners above each other but for rounding go by their height: out of order they would all seem to be on the hull.
     const auto less = [&](int i, int j) {
       const Vec2 &a = corners[i].x, &b = corners[j].x;
-      return std::abs(a[0] - b[0]) > same * outline_.size() ? a[0] < b[0] : a[1] < b[1];
+      return std::abs(a[0] - b[0]) > profile_rounding * outline_.size() ? a[0] < b[0] : a[1] < b[1];
     };
     std::sort(order.begin(), order.end(), less);
     std::vector<char> on_hull(corners.size(), 0);
@@ -391,7 +393,7 @@ Solid revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& fram
     radius = std::max(radius, x[0]);
   }
   for (const EdgeSegment& segment : outline.segments())
-    if (segment.a[0] < -same * outline.size())
+    if (segment.a[0] < -profile_rounding * outline.size())
       throw InputError(fmt::format("edge {} crosses the axis: first coordinates must be >= 0", segment.edge + 1));
   CsgBody::Hull hull;
   hull.points = {frame.origin + low * frame.second, frame.origin + high * frame.second};

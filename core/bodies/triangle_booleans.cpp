@@ -10,6 +10,7 @@
 #include "core/base/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/bodies/triangle_body.hpp"
+#include "core/triangles/triangle_arrangement.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_faces.hpp"
 
@@ -27,9 +28,6 @@ constexpr int far_away = -1;
 /// Points of a triangle surface nearer than this to a plane of the other operand are put on it (relative to the size),
 /// so that faces coincide as meant.
 constexpr double on_plane = 1e-9;
-
-/// Points of the result nearer than this are one (relative to the size): intersections that rounding has separated.
-constexpr double one_point = 1e-11;
 
 constexpr double facet_length_in_cells = 0.5, facet_error_in_cells = 1e-3;
 constexpr int max_facets_around = 20000, max_divisions = 7;  // of an icosahedron: 327680 facets
@@ -370,7 +368,7 @@ Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
     throw InputError(std::string("the result is empty: the shapes do not overlap, or one holds the other"));
   std::vector<int> all(soup.points.size());
   std::iota(all.begin(), all.end(), 0);
-  soup.merge(std::move(all), one_point * soup.diagonal());
+  soup.merge(std::move(all), rounding_distance * soup.diagonal());
   repair_and_check(soup, "the combined surface");
   NamedTriangles faces;
   faces.names = names;

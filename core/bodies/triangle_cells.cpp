@@ -15,14 +15,13 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int n1 = moment_degree + 1;
 constexpr int bits = 21;  // of a cell's index along one axis
 constexpr int most = 1 << (bits - 1);
 /// Tolerance of a face's projected area (4 in cell coordinates): a closed surface misses 0 or 1 by rounding only.
 constexpr double closed_tolerance = 1e-6;
 
 /// Integrals of n_x L_j(y) L_k(z) over facets.
-using Section = std::array<double, n1 * n1>;
+using SectionIntegrals = std::array<double, num_legendre * num_legendre>;
 
 long long code(const Index3& cell) {
   for (int k = 0; k < 3; ++k)
@@ -45,8 +44,6 @@ constexpr int full_degree = 3 * moment_degree + 1;
 struct CurvedDegrees {
   int facet, sliver;
 };
-/// More where the map of a triangle is no linear one.
-constexpr int bend_degrees = 4;
 
 CurvedDegrees curved_degrees(const SurfacePolygon& polygon) {
   Vec3 min = polygon.x[0], max = polygon.x[0];
@@ -85,12 +82,13 @@ class FacetIntegrals {
   }
 
   /// Adds the sums to the cell's moments and to the section of the cells before it.
-  void finish(Moments& moments, Section& section) {
+  void finish(Moments& moments, SectionIntegrals& section) {
     for (int l = filled_; l < lanes; ++l) xi_[0][l] = xi_[1][l] = xi_[2][l] = weight_[l] = 0;
     flush();
     for (int q = 0; with_moments_ && q < num_moments; ++q)
       moments[q] += std::accumulate(sums_[q].begin(), sums_[q].end(), 0.0);
-    for (int q = 0; q < n1 * n1; ++q) section[q] += std::accumulate(section_[q].begin(), section_[q].end(), 0.0);
+    for (int q = 0; q < num_legendre * num_legendre; ++q)
+      section[q] += std::accumulate(section_[q].begin(), section_[q].end(), 0.0);
   }
 
  private:
@@ -98,25 +96,25 @@ class FacetIntegrals {
   using Lanes = std::array<double, lanes>;
 
   void flush() {
-    Lanes ax[n1], ly[n1], lz[n1];
+    Lanes ax[num_legendre], ly[num_legendre], lz[num_legendre];
     for (int l = 0; l < lanes; ++l) {
-      double a[n1], b[n1], c[n1];
+      double a[num_legendre], b[num_legendre], c[num_legendre];
       if (with_moments_) legendre_integrals(xi_[0][l], a);
       legendre_values(xi_[1][l], b);
       legendre_values(xi_[2][l], c);
-      for (int i = 0; i < n1; ++i) {
+      for (int i = 0; i < num_legendre; ++i) {
         if (with_moments_) ax[i][l] = a[i];
         ly[i][l] = weight_[l] * b[i];
         lz[i][l] = c[i];
       }
     }
-    for (int j = 0; j < n1; ++j)
-      for (int k = 0; k < n1; ++k) {
+    for (int j = 0; j < num_legendre; ++j)
+      for (int k = 0; k < num_legendre; ++k) {
         Lanes product;
         for (int l = 0; l < lanes; ++l) product[l] = ly[j][l] * lz[k][l];
-        for (int l = 0; l < lanes; ++l) section_[j * n1 + k][l] += product[l];
-        for (int i = 0; with_moments_ && i < n1; ++i)
-          for (int l = 0; l < lanes; ++l) sums_[(i * n1 + j) * n1 + k][l] += ax[i][l] * product[l];
+        for (int l = 0; l < lanes; ++l) section_[j * num_legendre + k][l] += product[l];
+        for (int i = 0; with_moments_ && i < num_legendre; ++i)
+          for (int l = 0; l < lanes; ++l) sums_[(i * num_legendre + j) * num_legendre + k][l] += ax[i][l] * product[l];
       }
     filled_ = 0;
   }
@@ -126,7 +124,7 @@ class FacetIntegrals {
   int filled_ = 0;
   Lanes xi_[3], weight_;
   std::array<Lanes, num_moments> sums_;
-  std::array<Lanes, n1 * n1> section_;
+  std::array<Lanes, num_legendre * num_legendre> section_;
 };
 
 /// Adds up the integrals over what lies between the facets in one cell and their images, several points at a time.
@@ -179,24 +177,24 @@ class SliverIntegrals {
   using Lanes = std::array<double, lanes>;
 
   void flush() {
-    Lanes lx[n1], ly[n1], lz[n1];
+    Lanes lx[num_legendre], ly[num_legendre], lz[num_legendre];
     for (int l = 0; l < lanes; ++l) {
-      double a[n1], b[n1], c[n1];
+      double a[num_legendre], b[num_legendre], c[num_legendre];
       legendre_values(xi_[0][l], a);
       legendre_values(xi_[1][l], b);
       legendre_values(xi_[2][l], c);
-      for (int i = 0; i < n1; ++i) {
+      for (int i = 0; i < num_legendre; ++i) {
         lx[i][l] = a[i];
         ly[i][l] = weight_[l] * b[i];
         lz[i][l] = c[i];
       }
     }
-    for (int j = 0; j < n1; ++j)
-      for (int k = 0; k < n1; ++k) {
+    for (int j = 0; j < num_legendre; ++j)
+      for (int k = 0; k < num_legendre; ++k) {
         Lanes product;
         for (int l = 0; l < lanes; ++l) product[l] = ly[j][l] * lz[k][l];
-        for (int i = 0; i < n1; ++i)
-          for (int l = 0; l < lanes; ++l) sums_[(i * n1 + j) * n1 + k][l] += lx[i][l] * product[l];
+        for (int i = 0; i < num_legendre; ++i)
+          for (int l = 0; l < lanes; ++l) sums_[(i * num_legendre + j) * num_legendre + k][l] += lx[i][l] * product[l];
       }
     filled_ = 0;
   }
@@ -217,10 +215,10 @@ class SliverIntegrals {
 }
 
 /// Returns whether the cells before those swept are inside. Removes the rounding from the section.
-bool settle(Section& section, const Index3& cell) {
-  Section exact{};
+bool settle(SectionIntegrals& section, const Index3& cell) {
+  SectionIntegrals exact{};
   exact[0] = section[0] > 2 ? 4 : 0;
-  for (int q = 0; q < n1 * n1; ++q)
+  for (int q = 0; q < num_legendre * num_legendre; ++q)
     if (std::abs(section[q] - exact[q]) > closed_tolerance) refuse_row(cell);
   section = exact;
   return exact[0] > 0;
@@ -292,7 +290,7 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
   std::vector<CellIntegrals>& cells = found.crossed;
   static thread_local std::vector<int> triangles;
   const std::size_t first = cells.size();
-  Section section{};  // of all facets farther along the row
+  SectionIntegrals section{};  // of all facets farther along the row
   for (std::size_t end = row_begin_[row + 1], begin = end; end > row_begin_[row]; end = begin) {
     const Index3 cell = decode(entries_[end - 1].cell);
     const Vec3 corner(cell[0], cell[1], cell[2]);
@@ -302,7 +300,7 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
     }
     cells.push_back({cell, {}, {}, false});
     Moments& moments = cells.back().moments;
-    for (int q = 0; q < n1 * n1; ++q) moments[q] = 2 * section[q];
+    for (int q = 0; q < num_legendre * num_legendre; ++q) moments[q] = 2 * section[q];
     triangles.clear();
     const bool leaf = leaves_.has(cell);
     FacetIntegrals integrals(corner, leaf);

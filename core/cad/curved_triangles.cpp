@@ -14,7 +14,7 @@ namespace cgcontact {
 namespace {
 
 constexpr int max_passes = 40;
-constexpr std::size_t max_triangles = 20000000;
+constexpr std::size_t max_curved_triangles = 20000000;
 constexpr double straight = 1e-12;  // of a side's length in the parameter plane: what bends less is straight
 constexpr int newton_steps = 20;
 constexpr double newton_end = 1e-13;  // of the size of the coordinates
@@ -121,9 +121,9 @@ double CurvedTriangles::largest_sag(const Wanted& wanted) const {
 
 /// Sides of several triangles are divided alike: what they are decided by belongs to the side, not to the triangle.
 bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
-  if (triangles.size() > max_triangles)
+  if (triangles.size() > max_curved_triangles)
     throw InputError(fmt::format("it takes more than {} triangles to follow its faces: the cells are too small for it",
-                                 max_triangles));
+                                 max_curved_triangles));
   using Key = std::tuple<int, int, int>;  // two points and the CAD edge, or the face
   const auto key_of = [&](std::size_t t, int s) {
     const auto [low, high] = std::minmax(corners[t][s], corners[t][(s + 1) % 3]);

@@ -10,18 +10,18 @@ namespace {
 
 /// Index in units of the smallest cells. Blocks go from one up to another, which they do not hold.
 using FineIndex = std::array<long long, 3>;
-struct Block {
+struct FineBlock {
   FineIndex from, to;
 };
 
-bool overlap(const Block& a, const Block& b) {
+bool overlap(const FineBlock& a, const FineBlock& b) {
   for (int d = 0; d < 3; ++d)
     if (a.from[d] >= b.to[d] || b.from[d] >= a.to[d]) return false;
   return true;
 }
 /// Returns whether a block is outside of the grid.
-bool is_empty(const Block& a) { return a.from[0] >= a.to[0] || a.from[1] >= a.to[1] || a.from[2] >= a.to[2]; }
-bool contains(const Block& outer, const Block& inner) {
+bool is_empty(const FineBlock& a) { return a.from[0] >= a.to[0] || a.from[1] >= a.to[1] || a.from[2] >= a.to[2]; }
+bool contains(const FineBlock& outer, const FineBlock& inner) {
   for (int d = 0; d < 3; ++d)
     if (inner.from[d] < outer.from[d] || inner.to[d] > outer.to[d]) return false;
   return true;
@@ -34,11 +34,11 @@ class Marking {
   Marking(const CutCells& cells, std::vector<char>& marked) : cells_(cells), marked_(marked) {}
 
   /// Marks blocks at an index; size: log2 of its cells, level 0; below 0 their children.
-  void mark(int size, const Index3& index, const std::vector<Block>& blocks) {
-    const Block here = block_of(size, index);
+  void mark(int size, const Index3& index, const std::vector<FineBlock>& blocks) {
+    const FineBlock here = block_of(size, index);
     if (is_empty(here)) return;
-    std::vector<Block> those;
-    for (const Block& block : blocks) {
+    std::vector<FineBlock> those;
+    for (const FineBlock& block : blocks) {
       if (contains(block, here)) return mark_all(size, index);
       if (overlap(block, here)) those.push_back(block);
     }
@@ -55,8 +55,8 @@ class Marking {
 
  private:
   /// Returns the block at an index within the grid.
-  Block block_of(int size, const Index3& index) const {
-    Block block;
+  FineBlock block_of(int size, const Index3& index) const {
+    FineBlock block;
     const int units = size + cells_.num_levels() - 1;
     for (int d = 0; d < 3; ++d) {
       const long long end = static_cast<long long>(cells_.grid.num_cells[d]) << (cells_.num_levels() - 1);
@@ -84,9 +84,9 @@ class Marking {
 }  // namespace
 
 void mark_cells_around(const CutCells& cells, const std::vector<int>& active, int reach, std::vector<char>& marked) {
-  std::vector<Block> blocks;
+  std::vector<FineBlock> blocks;
   for (const int cell : active) {
-    Block block;
+    FineBlock block;
     const int units = cells.num_levels() - 1 - cells.level(cell);
     for (int d = 0; d < 3; ++d) {
       const long long index = cells.cells[cell][d];

@@ -8,20 +8,20 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int n1 = moment_degree + 1;
-using Transfer = std::array<double, n1 * n1>;
+using Transfer = std::array<double, num_legendre * num_legendre>;
 
 /// L_i(scale x + shift) = sum_j T[i * n1 + j] L_j(x).
 Transfer make_transfer(double scale, double shift) {
   Transfer transfer{};
-  const GaussRule& gauss = gauss_rule(n1);
+  const GaussRule& gauss = gauss_rule(num_legendre);
   for (std::size_t q = 0; q < gauss.node.size(); ++q) {
     const double x = 2 * gauss.node[q] - 1;
-    double target[n1], source[n1];
+    double target[num_legendre], source[num_legendre];
     legendre_values(scale * x + shift, target);
     legendre_values(x, source);
-    for (int i = 0; i < n1; ++i)
-      for (int j = 0; j <= i; ++j) transfer[i * n1 + j] += gauss.weight[q] * (2 * j + 1) * target[i] * source[j];
+    for (int i = 0; i < num_legendre; ++i)
+      for (int j = 0; j <= i; ++j)
+        transfer[i * num_legendre + j] += gauss.weight[q] * (2 * j + 1) * target[i] * source[j];
   }
   return transfer;
 }
@@ -30,17 +30,23 @@ Transfer make_transfer(double scale, double shift) {
 void add_transferred(const Moments& m, const Transfer& a, const Transfer& b, const Transfer& c, double factor,
                      Moments& result) {
   Moments x{}, y{};
-  for (int i = 0; i < n1; ++i)
-    for (int j = 0; j < n1; ++j)
-      for (int k = 0; k < n1; ++k)
-        for (int l = 0; l <= k; ++l) x[(i * n1 + j) * n1 + k] += c[k * n1 + l] * m[(i * n1 + j) * n1 + l];
-  for (int i = 0; i < n1; ++i)
-    for (int j = 0; j < n1; ++j)
+  for (int i = 0; i < num_legendre; ++i)
+    for (int j = 0; j < num_legendre; ++j)
+      for (int k = 0; k < num_legendre; ++k)
+        for (int l = 0; l <= k; ++l)
+          x[(i * num_legendre + j) * num_legendre + k] +=
+              c[k * num_legendre + l] * m[(i * num_legendre + j) * num_legendre + l];
+  for (int i = 0; i < num_legendre; ++i)
+    for (int j = 0; j < num_legendre; ++j)
       for (int l = 0; l <= j; ++l)
-        for (int k = 0; k < n1; ++k) y[(i * n1 + j) * n1 + k] += b[j * n1 + l] * x[(i * n1 + l) * n1 + k];
-  for (int i = 0; i < n1; ++i)
+        for (int k = 0; k < num_legendre; ++k)
+          y[(i * num_legendre + j) * num_legendre + k] +=
+              b[j * num_legendre + l] * x[(i * num_legendre + l) * num_legendre + k];
+  for (int i = 0; i < num_legendre; ++i)
     for (int l = 0; l <= i; ++l)
-      for (int q = 0; q < n1 * n1; ++q) result[i * n1 * n1 + q] += factor * a[i * n1 + l] * y[l * n1 * n1 + q];
+      for (int q = 0; q < num_legendre * num_legendre; ++q)
+        result[i * num_legendre * num_legendre + q] +=
+            factor * a[i * num_legendre + l] * y[l * num_legendre * num_legendre + q];
 }
 
 /// Row a: factors of the moments of degree 0 .. n-1 in the weight of the a-th Gauss point.
@@ -48,7 +54,7 @@ std::vector<double> make_weight_matrix(int n) {
   const GaussRule& gauss = gauss_rule(n);
   std::vector<double> matrix(n * n);
   for (int a = 0; a < n; ++a) {
-    double l[n1];
+    double l[num_legendre];
     legendre_values(2 * gauss.node[a] - 1, l);
     for (int i = 0; i < n; ++i) matrix[a * n + i] = gauss.weight[a] * (2 * i + 1) * l[i];
   }
@@ -62,7 +68,7 @@ void fit_weights(const Moments& moments, const double* matrix, double* weights) 
     for (int j = 0; j < n; ++j)
       for (int c = 0; c < n; ++c) {
         double sum = 0;
-        for (int k = 0; k < n; ++k) sum += matrix[c * n + k] * moments[(i * n1 + j) * n1 + k];
+        for (int k = 0; k < n; ++k) sum += matrix[c * n + k] * moments[(i * num_legendre + j) * num_legendre + k];
         x[(i * n + j) * n + c] = sum;
       }
   for (int i = 0; i < n; ++i)

@@ -14,7 +14,9 @@ namespace cgcontact {
 /// Highest degree per variable of the stored moments: 2 p for the stiffness of Q1, 4 for the energy of
 /// (conjoint sigma* - sigma_h), which is of degree 2 per variable.
 constexpr int moment_degree = 4;
-constexpr int num_moments = (moment_degree + 1) * (moment_degree + 1) * (moment_degree + 1);
+/// Number of Legendre polynomials per variable.
+constexpr int num_legendre = moment_degree + 1;
+constexpr int num_moments = num_legendre * num_legendre * num_legendre;
 /// Moments of L_i(x) L_j(y) L_k(z) (Legendre polynomials, cell coordinates in [-1,1]^3, so a full cell has
 /// moment[0] = 8) over cell and body; index (i * (moment_degree+1) + j) * (moment_degree+1) + k.
 using Moments = std::array<double, num_moments>;

@@ -18,7 +18,7 @@ namespace cgcontact {
 
 namespace {
 
-using Shape = DeckElement::Shape;
+using ElementShape = DeckElement::Shape;
 
 constexpr int deepest_include = 10;
 constexpr int max_number = 2'000'000'000;
@@ -28,12 +28,6 @@ std::string capitals(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return result;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const char* const blank = " \t\r";
-  text.remove_prefix(std::min(text.find_first_not_of(blank), text.size()));
-  return text.substr(0, text.find_last_not_of(blank) + 1);
 }
 
 std::vector<std::string> fields_of(std::string_view line) {
@@ -47,18 +41,18 @@ std::vector<std::string> fields_of(std::string_view line) {
 }
 
 /// Keyword with its parameters, or a line of data.
-struct Line {
+struct DeckLine {
   int number = 0;
   std::string file;
   std::string text;                 ///< as it is written
   std::vector<std::string> fields;  ///< in capital letters
 };
 
-struct Block {
+struct DeckBlock {
   std::string keyword;  ///< without the star, blanks inside as in "CONTACT PAIR"
   std::map<std::string, std::string> parameters;
-  Line head;
-  std::vector<Line> data;
+  DeckLine head;
+  std::vector<DeckLine> data;
 
   bool has(const std::string& parameter) const { return parameters.count(parameter) > 0; }
   std::string at(const std::string& parameter) const {
@@ -67,14 +61,14 @@ struct Block {
   }
 };
 
-[[noreturn]] void fail(const Line& line, const std::string& problem, const std::string& allowed = {}) {
+[[noreturn]] void fail(const DeckLine& line, const std::string& problem, const std::string& allowed = {}) {
   throw InputError(SourceLocation{line.file, line.number, ""}, "", problem, allowed);
 }
 
 /// Splits a file, and those that it includes, into blocks.
 class BlockReader {
  public:
-  std::vector<Block> read(const std::string& file) {
+  std::vector<DeckBlock> read(const std::string& file) {
     read_file(file, 0);
     return std::move(blocks_);
   }
@@ -86,14 +80,14 @@ class BlockReader {
     std::string_view rest = text;
     for (int number = 1; !rest.empty(); ++number) {
       const std::size_t end = std::min(rest.find('\n'), rest.size());
-      const std::string_view line = trimmed(rest.substr(0, end));
+      const std::string line = trimmed(rest.substr(0, end));
       rest.remove_prefix(std::min(end + 1, rest.size()));
       if (line.empty() || line.substr(0, 2) == "**") continue;
-      add_line({number, file, std::string(line), fields_of(line)}, depth);
+      add_line({number, file, line, fields_of(line)}, depth);
     }
   }
 
-  void add_line(const Line& line, int depth) {
+  void add_line(const DeckLine& line, int depth) {
     const std::string& text = line.text;
     const bool goes_on = text.back() == ',';
     if (text[0] == '*' || in_head_) {
@@ -106,15 +100,15 @@ class BlockReader {
     blocks_.back().data.push_back(line);
   }
 
-  void begin_block(const Line& line) {
-    Block block;
+  void begin_block(const DeckLine& line) {
+    DeckBlock block;
     block.head = line;
     block.keyword = line.fields[0].substr(1);
     blocks_.push_back(std::move(block));
     add_parameters(line, 1);
   }
 
-  void add_parameters(const Line& line, std::size_t first) {
+  void add_parameters(const DeckLine& line, std::size_t first) {
     for (std::size_t k = first; k < line.fields.size(); ++k) {
       const std::string& field = line.fields[k];
       const std::size_t equal = std::min(field.find('='), field.size());
@@ -127,7 +121,7 @@ class BlockReader {
 
   /// The name as it is written, relative to the file that includes it.
   void include(std::string_view text, int depth) {
-    const Block block = blocks_.back();
+    const DeckBlock block = blocks_.back();
     blocks_.pop_back();
     const std::size_t equal = text.find('=');
     if (equal == std::string_view::npos) fail(block.head, "names no file", "*INCLUDE, INPUT=FILE");
@@ -137,11 +131,11 @@ class BlockReader {
     read_file((std::filesystem::path(block.head.file).parent_path() / name).string(), depth + 1);
   }
 
-  std::vector<Block> blocks_;
+  std::vector<DeckBlock> blocks_;
   bool in_head_ = false;
 };
 
-double number_of(const Line& line, std::size_t field, const char* what) {
+double number_of(const DeckLine& line, std::size_t field, const char* what) {
   if (field >= line.fields.size() || line.fields[field].empty()) fail(line, "a number is missing", what);
   std::string text = line.fields[field];
   std::replace(text.begin(), text.end(), 'D', 'E');  // Fortran's exponent
@@ -153,7 +147,7 @@ double number_of(const Line& line, std::size_t field, const char* what) {
   return value;
 }
 
-double number_or(const Line& line, std::size_t field, double otherwise, const char* what) {
+double number_or(const DeckLine& line, std::size_t field, double otherwise, const char* what) {
   return field >= line.fields.size() || line.fields[field].empty() ? otherwise : number_of(line, field, what);
 }
 
@@ -162,7 +156,7 @@ bool is_whole(const std::string& text) {
          std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
-int integer_of(const Line& line, std::size_t field, const char* what) {
+int integer_of(const DeckLine& line, std::size_t field, const char* what) {
   const double value = number_of(line, field, what);
   if (value != std::floor(value) || value < 0 || value > max_number)
     fail(line, fmt::format("\"{}\" is no whole number from 0 on", line.fields[field]), what);
@@ -171,14 +165,14 @@ int integer_of(const Line& line, std::size_t field, const char* what) {
 
 struct ShapeOfType {
   const char* type;  ///< also with letters behind it: C3D10M, C3D8R
-  Shape shape;
+  ElementShape shape;
   std::size_t num_nodes;
 };
 
 /// Longer names first.
-constexpr ShapeOfType shapes[] = {{"C3D10", Shape::tetrahedron, 10}, {"C3D15", Shape::wedge, 15},
-                                  {"C3D20", Shape::hexahedron, 20},  {"C3D4", Shape::tetrahedron, 4},
-                                  {"C3D6", Shape::wedge, 6},         {"C3D8", Shape::hexahedron, 8}};
+constexpr ShapeOfType shapes[] = {{"C3D10", ElementShape::tetrahedron, 10}, {"C3D15", ElementShape::wedge, 15},
+                                  {"C3D20", ElementShape::hexahedron, 20},  {"C3D4", ElementShape::tetrahedron, 4},
+                                  {"C3D6", ElementShape::wedge, 6},         {"C3D8", ElementShape::hexahedron, 8}};
 
 const ShapeOfType* shape_of_type(const std::string& type) {
   for (const ShapeOfType& entry : shapes) {
@@ -195,7 +189,7 @@ class DeckReader {
  public:
   Deck read(const std::string& file) {
     deck_.file = file;
-    for (const Block& block : BlockReader().read(file)) take(block);
+    for (const DeckBlock& block : BlockReader().read(file)) take(block);
     if (deck_.elements.empty())
       throw InputError(
           fmt::format("{}: holds no solid elements (allowed: C3D4, C3D6, C3D8, C3D10, C3D15, C3D20)", file));
@@ -208,8 +202,8 @@ class DeckReader {
   }
 
  private:
-  void take(const Block& block) {
-    using Take = void (DeckReader::*)(const Block&);
+  void take(const DeckBlock& block) {
+    using Take = void (DeckReader::*)(const DeckBlock&);
     static const std::map<std::string, Take> takes{{"HEADING", &DeckReader::heading},
                                                    {"NODE", &DeckReader::nodes},
                                                    {"ELEMENT", &DeckReader::elements},
@@ -246,14 +240,14 @@ class DeckReader {
       leave_out("*" + block.keyword, block.head);
   }
 
-  void leave_out(const std::string& what, const Line& line) { unknown_[what].push_back(line.number); }
+  void leave_out(const std::string& what, const DeckLine& line) { unknown_[what].push_back(line.number); }
 
-  void heading(const Block& block) {
+  void heading(const DeckBlock& block) {
     if (!block.data.empty()) deck_.title = block.data.front().text;
   }
 
-  void nodes(const Block& block) {
-    for (const Line& line : block.data) {
+  void nodes(const DeckBlock& block) {
+    for (const DeckLine& line : block.data) {
       const int node = integer_of(line, 0, "number, x, y, z");
       Vec3 x;
       for (int k = 0; k < num_components; ++k) x[k] = number_or(line, k + 1, 0, "number, x, y, z");
@@ -263,11 +257,11 @@ class DeckReader {
   }
 
   /// The nodes of an element may go on in the next lines.
-  void elements(const Block& block) {
+  void elements(const DeckBlock& block) {
     const ShapeOfType* const kind = shape_of_type(block.at("TYPE"));
     if (!kind) return leave_out(fmt::format("*ELEMENT, TYPE={}", block.at("TYPE")), block.head);
     std::vector<int> numbers;
-    for (const Line& line : block.data) {
+    for (const DeckLine& line : block.data) {
       for (std::size_t k = 0; k < line.fields.size(); ++k)
         if (!line.fields[k].empty()) numbers.push_back(integer_of(line, k, "numbers of nodes"));
       if (numbers.size() < kind->num_nodes + 1) continue;
@@ -286,12 +280,12 @@ class DeckReader {
   }
 
   /// Numbers, names of sets before, or with GENERATE first, last, step.
-  void sets(const Block& block) {
+  void sets(const DeckBlock& block) {
     auto& all = block.keyword == "NSET" ? deck_.node_sets : deck_.element_sets;
     const std::string name = block.at(block.keyword);
     if (name.empty()) fail(block.head, "the set has no name", fmt::format("*{0}, {0}=NAME", block.keyword));
     std::set<int>& set = all[name];
-    for (const Line& line : block.data) {
+    for (const DeckLine& line : block.data) {
       if (block.has("GENERATE")) {
         const char* const what = "first, last, step";
         const int first = integer_of(line, 0, what), last = integer_of(line, 1, what);
@@ -313,9 +307,9 @@ class DeckReader {
     }
   }
 
-  void surface(const Block& block) {
+  void surface(const DeckBlock& block) {
     const std::string name = block.at("NAME"), type = block.at("TYPE");
-    for (const Line& line : block.data) {
+    for (const DeckLine& line : block.data) {
       if (type == "NODE") {
         const std::set<int> nodes = deck_.nodes_of(line.fields[0]);
         deck_.node_surfaces[name].insert(nodes.begin(), nodes.end());
@@ -341,25 +335,25 @@ class DeckReader {
     return found == deck_.elements.end() ? 0 : static_cast<int>(sides_of(found->second.shape).size());
   }
 
-  int checked_side(const std::string& text, int element, const Line& line) const {
+  int checked_side(const std::string& text, int element, const DeckLine& line) const {
     const int side = std::stoi(text), count = num_sides(element);
     if (count > 0 && (side < 1 || side > count))
       fail(line, fmt::format("element {} has no side {}", element, side), fmt::format("1 to {}", count));
     return side;
   }
 
-  void material(const Block& block) {
+  void material(const DeckBlock& block) {
     material_ = block.at("NAME");
     if (material_.empty()) fail(block.head, "the material has no name", "*MATERIAL, NAME=NAME");
     deck_.materials[material_];
   }
-  DeckMaterial& present(const Block& block) {
+  DeckMaterial& present(const DeckBlock& block) {
     if (material_.empty())
       fail(block.head, fmt::format("*{} outside of a material", block.keyword), "*MATERIAL before");
     if (block.data.empty()) fail(block.head, fmt::format("*{} has no values", block.keyword));
     return deck_.materials[material_];
   }
-  void elastic(const Block& block) {
+  void elastic(const DeckBlock& block) {
     DeckMaterial& material = present(block);
     const std::string type = block.at("TYPE");
     if (!type.empty() && type.substr(0, 3) != "ISO") return leave_out("*ELASTIC, TYPE=" + type, block.head);
@@ -367,10 +361,10 @@ class DeckReader {
     material.poissons_ratio = number_of(block.data[0], 1, "E, nu");
     if (block.data.size() > 1) leave_out("*ELASTIC at other temperatures than the first", block.data[1]);
   }
-  void density(const Block& block) { present(block).density = number_of(block.data[0], 0, "density"); }
-  void expansion(const Block& block) { present(block).expansion = number_of(block.data[0], 0, "coefficient"); }
+  void density(const DeckBlock& block) { present(block).density = number_of(block.data[0], 0, "density"); }
+  void expansion(const DeckBlock& block) { present(block).expansion = number_of(block.data[0], 0, "coefficient"); }
 
-  void section(const Block& block) { sections_.push_back({block.at("ELSET"), block.at("MATERIAL"), block.head}); }
+  void section(const DeckBlock& block) { sections_.push_back({block.at("ELSET"), block.at("MATERIAL"), block.head}); }
 
   void assign_materials() {
     for (const auto& [set, name, line] : sections_) {
@@ -382,11 +376,11 @@ class DeckReader {
     }
   }
 
-  void boundary(const Block& block) {
+  void boundary(const DeckBlock& block) {
     if (block.has("FIXED")) return leave_out("*BOUNDARY, FIXED", block.head);
     static const std::map<std::string, std::pair<int, int>> named{
         {"XSYMM", {1, 1}}, {"YSYMM", {2, 2}}, {"ZSYMM", {3, 3}}, {"PINNED", {1, 3}}, {"ENCASTRE", {1, 3}}};
-    for (const Line& line : block.data) {
+    for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::displacement, line.fields[0]};
       condition.line = line.number;
       const auto word = line.fields.size() > 1 ? named.find(line.fields[1]) : named.end();
@@ -406,8 +400,8 @@ class DeckReader {
     }
   }
 
-  void point_loads(const Block& block) {
-    for (const Line& line : block.data) {
+  void point_loads(const DeckBlock& block) {
+    for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::force, line.fields[0]};
       condition.line = line.number;
       condition.first = condition.last = integer_of(line, 1, "nodes, component, force");
@@ -419,8 +413,8 @@ class DeckReader {
     }
   }
 
-  void element_loads(const Block& block) {
-    for (const Line& line : block.data) {
+  void element_loads(const DeckBlock& block) {
+    for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::pressure, line.fields[0]};
       condition.line = line.number;
       const std::string kind = line.fields.size() > 1 ? line.fields[1] : "";
@@ -440,8 +434,8 @@ class DeckReader {
     }
   }
 
-  void surface_loads(const Block& block) {
-    for (const Line& line : block.data) {
+  void surface_loads(const DeckBlock& block) {
+    for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::surface_pressure, line.fields[0]};
       condition.line = line.number;
       if (line.fields.size() < 2 || line.fields[1] != "P") {
@@ -453,30 +447,30 @@ class DeckReader {
     }
   }
 
-  void pair(const Block& block) {
-    for (const Line& line : block.data) add_pair(line, false, block.at("INTERACTION"));
+  void pair(const DeckBlock& block) {
+    for (const DeckLine& line : block.data) add_pair(line, false, block.at("INTERACTION"));
   }
-  void interaction(const Block& block) { interaction_ = block.at("NAME"); }
-  void friction(const Block& block) {
+  void interaction(const DeckBlock& block) { interaction_ = block.at("NAME"); }
+  void friction(const DeckBlock& block) {
     if (interaction_.empty()) return leave_out("*FRICTION of no surface interaction", block.head);
     if (block.data.empty()) return leave_out("*FRICTION without a coefficient", block.head);
     deck_.friction[interaction_] = number_of(block.data[0], 0, "coefficient");
   }
-  void tie(const Block& block) {
-    for (const Line& line : block.data) add_pair(line, true);
+  void tie(const DeckBlock& block) {
+    for (const DeckLine& line : block.data) add_pair(line, true);
   }
-  void add_pair(const Line& line, bool bonded, const std::string& of_interaction = "") {
+  void add_pair(const DeckLine& line, bool bonded, const std::string& of_interaction = "") {
     if (line.fields.size() < 2) fail(line, "names one surface", "slave surface, master surface");
     deck_.pairs.push_back({line.fields[0], line.fields[1], of_interaction, bonded, line.number});
   }
 
-  void step(const Block& block) {
+  void step(const DeckBlock& block) {
     if (++num_steps_ > 1) leave_out("*STEP beyond the first: all conditions are put together", block.head);
   }
 
   struct Section {
     std::string set, material;
-    Line line;
+    DeckLine line;
   };
 
   Deck deck_;
@@ -496,13 +490,15 @@ std::set<int> set_or_number(const std::map<std::string, std::set<int>>& sets, co
 std::set<int> Deck::nodes_of(const std::string& set) const { return set_or_number(node_sets, set); }
 std::set<int> Deck::elements_of(const std::string& set) const { return set_or_number(element_sets, set); }
 
-int num_corners(Shape shape) { return shape == Shape::tetrahedron ? 4 : shape == Shape::wedge ? 6 : 8; }
+int num_corners(ElementShape shape) {
+  return shape == ElementShape::tetrahedron ? 4 : shape == ElementShape::wedge ? 6 : 8;
+}
 
 const std::vector<std::vector<int>>& sides_of(DeckElement::Shape shape) {
   static const std::vector<std::vector<int>> of_tetrahedron{{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}},
       of_wedge{{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
       of_hexahedron{{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
-  return shape == Shape::tetrahedron ? of_tetrahedron : shape == Shape::wedge ? of_wedge : of_hexahedron;
+  return shape == ElementShape::tetrahedron ? of_tetrahedron : shape == ElementShape::wedge ? of_wedge : of_hexahedron;
 }
 
 int middle_node(const DeckElement& element, int corner, int other) {
@@ -510,9 +506,9 @@ int middle_node(const DeckElement& element, int corner, int other) {
   static const Edges of_tetrahedron{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}},
       of_wedge{{0, 1}, {1, 2}, {0, 2}, {3, 4}, {4, 5}, {3, 5}, {0, 3}, {1, 4}, {2, 5}},
       of_hexahedron{{0, 1}, {1, 2}, {2, 3}, {0, 3}, {4, 5}, {5, 6}, {6, 7}, {4, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
-  const Edges& edges = element.shape == Shape::tetrahedron ? of_tetrahedron
-                       : element.shape == Shape::wedge     ? of_wedge
-                                                           : of_hexahedron;
+  const Edges& edges = element.shape == ElementShape::tetrahedron ? of_tetrahedron
+                       : element.shape == ElementShape::wedge     ? of_wedge
+                                                                  : of_hexahedron;
   const auto found = std::find(edges.begin(), edges.end(), std::minmax({corner, other}));
   const int index = num_corners(element.shape) + static_cast<int>(found - edges.begin());
   return found != edges.end() && index < static_cast<int>(element.nodes.size()) ? element.nodes[index] : -1;

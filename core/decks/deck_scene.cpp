@@ -21,7 +21,7 @@ struct Units {
   double length, stress, density;
 };
 
-constexpr const char* axes = "xyz";
+constexpr const char* component_names = "xyz";
 
 Units units_of_deck(const std::string& unit) {
   return unit == "mm" ? Units{1e-3, 1e6, 1e12} : Units{1, 1, 1};  // t/mm^3 = 1e12 kg/m^3
@@ -29,7 +29,7 @@ Units units_of_deck(const std::string& unit) {
 
 std::string number(double value) { return fmt::format("{:.12g}", value); }
 
-std::string vector(const Vec3& v) { return fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2])); }
+std::string toml_vector(const Vec3& v) { return fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2])); }
 
 struct DeckScene {
   std::string text;
@@ -92,7 +92,7 @@ class SceneOfDeck {
         leave_out(fmt::format("*DLOAD, GRAV on {} alone: gravity acts on all bodies of a scene", c.set), c.line);
       if (gravity_.empty())
         gravity_ = fmt::format("gravity = {}   # m/s^2, on all bodies\n\n",
-                               vector(units_.length * c.value * c.direction.normalized()));
+                               toml_vector(units_.length * c.value * c.direction.normalized()));
       else
         leave_out("*DLOAD, GRAV: a second one", c.line);
       return;
@@ -138,7 +138,7 @@ class SceneOfDeck {
 
   void hold(const DeckCondition& c, const std::vector<std::string>& faces) {
     for (const std::string& face : faces)
-      for (int k = c.first; k <= c.last; ++k) held_[face][axes[k - 1]] = units_.length * c.value;
+      for (int k = c.first; k <= c.last; ++k) held_[face][component_names[k - 1]] = units_.length * c.value;
   }
 
   /// A force on every node of a set is one on its face, as large as all of them.
@@ -146,7 +146,7 @@ class SceneOfDeck {
     if (faces.size() > 1) return leave_out(fmt::format("*CLOAD on {}: nodes of several bodies", c.set), c.line);
     Vec3 force = Vec3::Zero();
     force[c.first - 1] = c.value * static_cast<double>(deck_.nodes_of(c.set).size());
-    loads_ += load(faces[0], "force = " + vector(force));
+    loads_ += load(faces[0], "force = " + toml_vector(force));
   }
 
   static std::string load(const std::string& face, const std::string& what) {

@@ -21,7 +21,7 @@ constexpr double on_tolerance = 1e-10;
 constexpr int patch_subdivision = 2;
 /// Patches in a cell that are cut one by one. Each one can double the polyhedra; with more, cells are cut at the whole
 /// surface.
-constexpr std::size_t max_patches = 8;
+constexpr std::size_t max_cutting_patches = 8;
 /// Volume (cell units) below which polyhedra are rounding only.
 constexpr double min_volume = 1e-25;
 
@@ -178,7 +178,7 @@ void Clipper::clip_cell(int active) {
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
   std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
   const bool endless = body_.has_endless_surfaces();
-  if (!endless && near.size() > max_patches) near.assign(1, whole_);
+  if (!endless && near.size() > max_cutting_patches) near.assign(1, whole_);
   const bool full = cut_cells_.cut_of_active[active] < 0;
   if (full && near.empty() && !cut_cells_.grid.is_quadtree()) {  // a quadtree's cells end where their layer does
     mesh_.interior.cells.push_back(active);

@@ -14,7 +14,7 @@ namespace {
 /// of a large one.
 constexpr double beside_edge = 0.05;
 /// Open edges from an end of an edge to the points that hang on it: with points on both sides one leads beyond the end.
-constexpr std::size_t max_steps = 4;
+constexpr std::size_t max_open_edges = 4;
 
 using Edge = std::uint64_t;
 
@@ -84,7 +84,7 @@ class OpenEdges {
   /// Points from which few open edges lead to a or b, without these.
   std::vector<int> reached(int a, int b) const {
     std::vector<int> points{a, b};
-    for (std::size_t first = 0, steps = 0; steps < max_steps; ++steps) {
+    for (std::size_t first = 0, steps = 0; steps < max_open_edges; ++steps) {
       const std::size_t last = points.size();
       for (; first < last; ++first)
         for (const int p : beside_.at(points[first]))

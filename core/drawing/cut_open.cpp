@@ -16,7 +16,7 @@ struct Vertex {
   std::array<double, 2> height;  ///< (x - corner) . d
 };
 
-using Polygon = std::vector<Vertex>;
+using VertexPolygon = std::vector<Vertex>;
 
 /// Interpolates between two vertices where height k is zero.
 Vertex between(const Vertex& a, const Vertex& b, int k) {
@@ -33,8 +33,8 @@ Vertex between(const Vertex& a, const Vertex& b, int k) {
 }
 
 /// Clips a convex polygon to side * height k >= 0.
-Polygon clipped(const Polygon& polygon, int k, double side) {
-  Polygon kept;
+VertexPolygon clipped(const VertexPolygon& polygon, int k, double side) {
+  VertexPolygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
     if (side * a.height[k] >= 0) kept.push_back(a);
@@ -44,8 +44,8 @@ Polygon clipped(const Polygon& polygon, int k, double side) {
 }
 
 /// Cuts a tetrahedron that reaches below the plane of height k; empty if it does not.
-Polygon section(const std::array<Vertex, 4>& tetrahedron, int k) {
-  Polygon below, above, points;
+VertexPolygon section(const std::array<Vertex, 4>& tetrahedron, int k) {
+  VertexPolygon below, above, points;
   for (const Vertex& v : tetrahedron) (v.height[k] < 0 ? below : v.height[k] > 0 ? above : points).push_back(v);
   if (below.empty()) return {};
   if (below.size() == 2 && above.size() == 2)
@@ -106,8 +106,8 @@ class Opening {
   }
 
   /// Cuts a tetrahedron with the plane of height k; the polygon is turned towards its direction.
-  Polygon section_of(const std::array<int, 4>& t, int k) const {
-    Polygon polygon = section({vertex(t[0]), vertex(t[1]), vertex(t[2]), vertex(t[3])}, k);
+  VertexPolygon section_of(const std::array<int, 4>& t, int k) const {
+    VertexPolygon polygon = section({vertex(t[0]), vertex(t[1]), vertex(t[2]), vertex(t[3])}, k);
     if (polygon.size() < 3) return {};
     const Vec3 &a = polygon[0].position, &b = polygon[1].position, &c = polygon[2].position;
     if ((b - a).cross(c - a).dot(directions_[k]) < 0) std::reverse(polygon.begin(), polygon.end());
@@ -129,7 +129,7 @@ class Opening {
     };
     if (all(0, -1) || (all(0, 1) && all(1, -1))) return keep(triangle);
     if (all(0, 1) && all(1, 1)) return;
-    const Polygon whole{vertex(triangle.points[0]), vertex(triangle.points[1]), vertex(triangle.points[2])};
+    const VertexPolygon whole{vertex(triangle.points[0]), vertex(triangle.points[1]), vertex(triangle.points[2])};
     add(clipped(whole, 0, -1), triangle.cell, triangle.surface);
     add(clipped(clipped(whole, 0, 1), 1, -1), triangle.cell, triangle.surface);
   }
@@ -137,7 +137,7 @@ class Opening {
   void add_sections(const std::array<int, 4>& tetrahedron, int cell) {
     for (int k = 0; k < 2; ++k) {
       if (!meets(tetrahedron, k)) continue;
-      const Polygon polygon = section_of(tetrahedron, k);
+      const VertexPolygon polygon = section_of(tetrahedron, k);
       add(clipped(polygon, 1 - k, 1), cell, -1);
     }
   }
@@ -161,7 +161,7 @@ class Opening {
     return static_cast<int>(open_.position.size()) - 1;
   }
 
-  void add(const Polygon& polygon, int cell, int surface) {
+  void add(const VertexPolygon& polygon, int cell, int surface) {
     if (polygon.size() < 3) return;
     const int first = static_cast<int>(open_.position.size());
     for (const Vertex& v : polygon) add_point(v, cell);

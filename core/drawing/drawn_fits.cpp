@@ -72,7 +72,7 @@ double drawn_gap(const Results& results, int pair, double exaggeration) {
   return area > 0 ? sum / area : 0;
 }
 
-void close(const ClosedFace& face, double share, double reach, double exaggeration, DrawnBody& body) {
+void close_gap(const ClosedFace& face, double share, double reach, double exaggeration, DrawnBody& body) {
   PointBuckets buckets(reach);
   for (std::size_t k = 0; k < face.position.size(); ++k) buckets.add(face.position[k], static_cast<int>(k));
   const double width = 0.5 * cube_fraction * reach;
@@ -109,7 +109,7 @@ void draw_fits_closed(const Results& results, double exaggeration, std::vector<D
       std::sort(sides.begin(), sides.end());
       const double reach = reach_fraction * sides[1];
       const ClosedFace face = closed_face(results, b, pair, cube_fraction * reach);
-      if (!face.position.empty()) close(face, gap / 2, reach, exaggeration, bodies[b]);
+      if (!face.position.empty()) close_gap(face, gap / 2, reach, exaggeration, bodies[b]);
     }
   }
 }

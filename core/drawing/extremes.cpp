@@ -190,8 +190,8 @@ BodyExtremes extremes_of_body(const Results& results, const Scene& scene, const 
   return extremes;
 }
 
-constexpr Extreme Extremes::*kinds[] = {&Extremes::displacement, &Extremes::von_mises, &Extremes::tresca,
-                                        &Extremes::tension, &Extremes::compression};
+constexpr Extreme Extremes::*extreme_members[] = {&Extremes::displacement, &Extremes::von_mises, &Extremes::tresca,
+                                                  &Extremes::tension, &Extremes::compression};
 
 void pack(const Extreme& extreme, Packing& to) {
   to.put(extreme.value);
@@ -199,7 +199,7 @@ void pack(const Extreme& extreme, Packing& to) {
 }
 
 void pack(const Extremes& extremes, Packing& to) {
-  for (const auto kind : kinds) pack(extremes.*kind, to);
+  for (const auto kind : extreme_members) pack(extremes.*kind, to);
   to.put(extremes.pressure.has_value());
   if (extremes.pressure) pack(*extremes.pressure, to);
   to.put(extremes.safety_factor.value_or(0));
@@ -211,7 +211,7 @@ void unpack(Unpacking& from, Extreme& extreme) {
 }
 
 void unpack(Unpacking& from, Extremes& extremes) {
-  for (const auto kind : kinds) unpack(from, extremes.*kind);
+  for (const auto kind : extreme_members) unpack(from, extremes.*kind);
   bool has_pressure = false;
   from.take(has_pressure);
   if (has_pressure) unpack(from, extremes.pressure.emplace());

@@ -35,7 +35,7 @@ Index3 parent_of(const Index3& c, int flat_axis) {
 }
 
 /// Cells that are drawn as one cube.
-struct Block {
+struct DrawnBlock {
   int level = 0;  ///< of a cell; below zero: larger than all cells
   Index3 position;
   std::array<int, 8> cell_of_corner;  ///< the active cell that has it, or is nearest to it
@@ -53,7 +53,7 @@ class Blocks {
         flat_axis_(cells_.grid.plane_strain) {
     if (!cells_.grid.is_quadtree()) flat_axis_ = -1;
     for (int c = 0; c < static_cast<int>(cells_.cells.size()); ++c) {
-      Block block;
+      DrawnBlock block;
       block.level = cells_.level(c);
       block.position = cells_.cells[c];
       block.cell_of_corner.fill(c);
@@ -65,7 +65,7 @@ class Blocks {
   }
 
   /// Joins blocks, the smallest ones first, until there are few enough.
-  std::vector<Block> reduce(std::size_t most) {
+  std::vector<DrawnBlock> reduce(std::size_t most) {
     for (int level = cells_.num_levels() - 1; count_ > most && level > -levels_above; --level) join(level);
     for (auto& [level, blocks] : waiting_) done_.insert(done_.end(), blocks.begin(), blocks.end());
     return std::move(done_);
@@ -86,7 +86,7 @@ class Blocks {
 
   /// Makes those of a level blocks of the next larger one where all that the larger one holds may be joined.
   void join(int level) {
-    std::vector<Block> blocks = std::move(waiting_[level]);
+    std::vector<DrawnBlock> blocks = std::move(waiting_[level]);
     waiting_.erase(level);
     std::unordered_map<Key, std::vector<std::size_t>> families;
     for (std::size_t i = 0; i < blocks.size(); ++i)
@@ -110,12 +110,12 @@ class Blocks {
     divided_ = std::move(divided);
   }
 
-  Block joined(const std::vector<Block>& blocks, const std::vector<std::size_t>& members, int level,
-               const Index3& position) const {
-    Block block;
+  DrawnBlock joined(const std::vector<DrawnBlock>& blocks, const std::vector<std::size_t>& members, int level,
+                    const Index3& position) const {
+    DrawnBlock block;
     block.level = level;
     block.position = position;
-    std::array<const Block*, 8> child{};
+    std::array<const DrawnBlock*, 8> child{};
     for (const std::size_t i : members) {
       const Index3& c = blocks[i].position;
       int octant = 0;
@@ -143,8 +143,8 @@ class Blocks {
   const std::vector<SceneBox>& zones_;
   const double near_zone_;
   int flat_axis_;
-  std::map<int, std::vector<Block>> waiting_;  ///< by level
-  std::vector<Block> done_;
+  std::map<int, std::vector<DrawnBlock>> waiting_;  ///< by level
+  std::vector<DrawnBlock> done_;
   std::unordered_set<Key> divided_;  ///< on the level that comes next: positions that hold smaller blocks
   std::size_t count_ = 0;
 };
@@ -155,7 +155,7 @@ class Corners {
   Corners(const BodyFields& body, SampledCells& sampled)
       : body_(body), cells_(*body.cut_cells), finest_(cells_.num_levels() - 1), sampled_(sampled) {}
 
-  void add(const Block& block) {
+  void add(const DrawnBlock& block) {
     std::array<int, 8> corners;
     for (int c = 0; c < 8; ++c) {
       Index3 position = block.position;
@@ -210,16 +210,16 @@ class Corners {
 }  // namespace
 
 SampledCells sample_cells(const BodyFields& body, const std::vector<SceneBox>& zones, std::size_t most) {
-  std::vector<Block> blocks;
+  std::vector<DrawnBlock> blocks;
   for (const double near_zone : nearness) {
     blocks = Blocks(body, zones, near_zone).reduce(most);
     if (blocks.size() <= most) break;
   }
   std::sort(blocks.begin(), blocks.end(),
-            [](const Block& a, const Block& b) { return a.cell_of_corner[0] < b.cell_of_corner[0]; });
+            [](const DrawnBlock& a, const DrawnBlock& b) { return a.cell_of_corner[0] < b.cell_of_corner[0]; });
   SampledCells sampled;
   Corners corners(body, sampled);
-  for (const Block& block : blocks) {
+  for (const DrawnBlock& block : blocks) {
     corners.add(block);
     const int cells_along = 1 << std::max(0, body.cut_cells->level(block.cell_of_corner[0]) - block.level);
     sampled.largest_block = std::max(sampled.largest_block, cells_along);

@@ -63,7 +63,7 @@ std::vector<ErrorCurve> curves_of(const AccuracyFigures& accuracy) {
   return curves;
 }
 
-struct Range {
+struct PlottedRange {
   double low = std::numeric_limits<double>::max(), high = 0;
   void add(double value) {
     low = std::min(low, value);
@@ -72,7 +72,7 @@ struct Range {
 };
 
 /// Labels at 1, 2 and 5 times powers of ten (on a range of more than three decades at the powers only).
-std::string tics(const Range& range) {
+std::string tics(const PlottedRange& range) {
   const bool wide = range.high > 1000 * range.low;
   std::string text;
   for (int power = static_cast<int>(std::floor(std::log10(range.low))); std::pow(10.0, power) <= range.high; ++power)
@@ -100,7 +100,7 @@ std::string data_of(const AccuracyFigures& accuracy, const std::vector<ErrorCurv
 }
 
 std::string script_of(const Results& results, const std::vector<ErrorCurve>& curves) {
-  Range unknowns, errors;
+  PlottedRange unknowns, errors;
   for (const SolveFigures& solve : results.accuracy.solves)
     unknowns.add(std::max(1.0, static_cast<double>(solve.unknowns)));
   for (const ErrorCurve& curve : curves) {

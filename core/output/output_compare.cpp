@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
 #include "core/base/errors.hpp"
+#include "core/base/json.hpp"
 #include "core/base/text.hpp"
 #include "core/output/output_csv.hpp"
 #include "core/output/output_gnuplot.hpp"
@@ -21,10 +21,9 @@ namespace cgcontact {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// A figure that both have.
-struct Line {
+struct ComparedFigure {
   std::string name, unit;
   double a, b;
 
@@ -78,22 +77,22 @@ std::optional<double> force_of(const Json& pair) {
 }
 
 /// Quantity compared between two elements of the same name.
-struct Entry {
+struct ReportEntry {
   const char *name, *path, *unit;
 };
-constexpr Entry run_entries[] = {{"unknowns", "/unknowns", ""},
-                                 {"est. error of the stress", "/estimated_error/relative", ""}};
-constexpr Entry pair_entries[] = {{"normal force", "/normal_force", "N"},
-                                  {"largest pressure", "/max_pressure", "Pa"},
-                                  {"mean pressure", "/mean_pressure", "Pa"},
-                                  {"area", "/area", "m^2"},
-                                  {"half axis a", "/zone/half_axes/0", "m"},
-                                  {"half axis b", "/zone/half_axes/1", "m"},
-                                  {"est. error of the pressure", "/pressure_error_estimate", ""}};
-constexpr Entry body_entries[] = {{"von Mises", "/max_von_mises", "Pa"},
-                                  {"largest principal", "/max_principal", "Pa"},
-                                  {"smallest principal", "/min_principal", "Pa"},
-                                  {"displacement", "/max_displacement", "m"}};
+constexpr ReportEntry run_entries[] = {{"unknowns", "/unknowns", ""},
+                                       {"est. error of the stress", "/estimated_error/relative", ""}};
+constexpr ReportEntry pair_entries[] = {{"normal force", "/normal_force", "N"},
+                                        {"largest pressure", "/max_pressure", "Pa"},
+                                        {"mean pressure", "/mean_pressure", "Pa"},
+                                        {"area", "/area", "m^2"},
+                                        {"half axis a", "/zone/half_axes/0", "m"},
+                                        {"half axis b", "/zone/half_axes/1", "m"},
+                                        {"est. error of the pressure", "/pressure_error_estimate", ""}};
+constexpr ReportEntry body_entries[] = {{"von Mises", "/max_von_mises", "Pa"},
+                                        {"largest principal", "/max_principal", "Pa"},
+                                        {"smallest principal", "/min_principal", "Pa"},
+                                        {"displacement", "/max_displacement", "m"}};
 
 class Comparer {
  public:
@@ -116,14 +115,14 @@ class Comparer {
                       first, second));
   }
 
-  const std::vector<Line>& lines() const { return lines_; }
+  const std::vector<ComparedFigure>& lines() const { return lines_; }
   const std::vector<std::string>& pairs() const { return pairs_; }
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   template <std::size_t n>
-  void add(const Json& a, const Json& b, const std::string& of, const Entry (&entries)[n]) {
-    for (const Entry& entry : entries) {
+  void add(const Json& a, const Json& b, const std::string& of, const ReportEntry (&entries)[n]) {
+    for (const ReportEntry& entry : entries) {
       const auto x = number(a, entry.path), y = number(b, entry.path);
       if (x && y) lines_.push_back({of + entry.name, entry.unit, *x, *y});
     }
@@ -142,26 +141,26 @@ class Comparer {
 
   const std::string names_[2];
   const Json reports_[2];
-  std::vector<Line> lines_;
+  std::vector<ComparedFigure> lines_;
   std::vector<std::string> pairs_, notes_;
 };
 
-std::string percent(const Line& line) {
+std::string relative_percent(const ComparedFigure& line) {
   const auto relative = line.relative();
   return relative ? fmt::format("{:+.3g} %", 100 * *relative) : line.difference() == 0 ? "+0 %" : "-";
 }
 
 std::string table(const Comparer& comparer, const std::string& first, const std::string& second) {
   std::size_t widest = 0;
-  for (const Line& line : comparer.lines()) widest = std::max(widest, line.name.size());
+  for (const ComparedFigure& line : comparer.lines()) widest = std::max(widest, line.name.size());
   widest = std::min<std::size_t>(widest, 40);
   std::string text = fmt::format("A: {}\nB: {}\n{:<{}}  {:>14} {:>14} {:>14} {:>11}\n", first, second, "", widest, "A",
                                  "B", "B - A", "of A");
-  for (const Line& line : comparer.lines()) {
+  for (const ComparedFigure& line : comparer.lines()) {
     const auto value = [&](double x) { return fmt::format("{:.5g} {:<3}", x, line.unit); };
     fmt::format_to(std::back_inserter(text), "{:<{}}  {:>14} {:>14} {:>14} {:>11}\n",
                    shortened_name(line.name, static_cast<int>(widest)), widest, value(line.a), value(line.b),
-                   value(line.difference()), percent(line));
+                   value(line.difference()), relative_percent(line));
   }
   for (const std::string& note : comparer.notes()) text += note + "\n";
   return text;
@@ -223,9 +222,9 @@ void draw_curves(const std::string& pair, const PressureCurve (&curves)[2], cons
   runs.start(name, script, {name + ".svg"});
 }
 
-void write_csv(const std::vector<Line>& lines, const std::string& file) {
+void write_csv(const std::vector<ComparedFigure>& lines, const std::string& file) {
   std::string text = "figure,unit,a,b,difference,relative\n";
-  for (const Line& line : lines) {
+  for (const ComparedFigure& line : lines) {
     const auto relative = line.relative();
     text += fmt::format("{},{},{},{},{},{}\n", csv_text(line.name), line.unit, line.a, line.b, line.difference(),
                         relative ? fmt::format("{}", *relative) : "");

@@ -8,12 +8,7 @@
 
 namespace cgcontact {
 
-namespace {
-
-/// Significant digits: results of a scene in other axes, units or on other machines agree to some 1e-9.
-constexpr int digits = 10;
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<std::string> csv_fields(const std::string& line) {
   std::vector<std::string> fields(1);
@@ -45,13 +40,13 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
     text += names.at(row.body) + "," + pairs.at(row.pair);
     for (const double value : {row.x[0], row.x[1], row.x[2], row.normal[0], row.normal[1], row.normal[2], row.weight,
                                row.gap, row.pressure_raw, row.pressure_spr, row.pressure_sprc, row.pressure_error})
-      fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
+      fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, csv_digits);
     text += row.active ? ",1" : ",0";
     if (friction) {
       for (const Vec3& v : {row.shear_transmitted, row.shear_sprc, row.slip})
-        for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
-      fmt::format_to(std::back_inserter(text), ",{:.{}g},{},{:.{}g}", row.travelled, digits, row.slips ? 1 : 0,
-                     row.wear, digits);
+        for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, csv_digits);
+      fmt::format_to(std::back_inserter(text), ",{:.{}g},{},{:.{}g}", row.travelled, csv_digits, row.slips ? 1 : 0,
+                     row.wear, csv_digits);
     }
     text += "\n";
   }
@@ -63,8 +58,8 @@ void write_pressure_csv(const Results& results, const std::string& file_name) {
   for (const PathSample& p : results.path) {
     text += csv_text(results.pairs.at(p.pair).name) + "," + csv_text(results.bodies.at(p.body).name);
     for (const double value : {p.s, p.x[0], p.x[1], p.x[2], p.pressure_raw, p.pressure_spr, p.pressure_sprc})
-      fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
-    text += p.has_reference ? fmt::format(",{:.{}g}\n", p.pressure_reference, digits) : ",\n";
+      fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, csv_digits);
+    text += p.has_reference ? fmt::format(",{:.{}g}\n", p.pressure_reference, csv_digits) : ",\n";
   }
   write_text(file_name, text);
 }

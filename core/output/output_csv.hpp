@@ -9,10 +9,13 @@
 
 namespace cgcontact {
 
+/// Significant digits: results of a scene in other axes, units or on other machines agree to some 1e-9.
+constexpr int csv_digits = 10;
+
 /// Divides a line at its commas, those in quotes apart (csv_text).
 std::vector<std::string> csv_fields(const std::string& line);
 
-/// Writes SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), ten significant digits.
+/// Writes SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), with csv_digits.
 void write_contact_csv(const Results& results, const std::string& file_name);
 
 /// Writes the paths of the pairs: s, x, y, z (m), pressures (Pa); the reference is empty where there is none.

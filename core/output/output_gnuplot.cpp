@@ -24,13 +24,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::array<double, 3>, 7> colours{{{0.15, 0.18, 0.50},
-                                                        {0.13, 0.43, 0.71},
-                                                        {0.30, 0.69, 0.76},
-                                                        {0.72, 0.87, 0.70},
-                                                        {0.97, 0.86, 0.45},
-                                                        {0.93, 0.50, 0.20},
-                                                        {0.68, 0.11, 0.13}}};
+constexpr std::array<std::array<double, 3>, 7> palette_colours{{{0.15, 0.18, 0.50},
+                                                                {0.13, 0.43, 0.71},
+                                                                {0.30, 0.69, 0.76},
+                                                                {0.72, 0.87, 0.70},
+                                                                {0.97, 0.86, 0.45},
+                                                                {0.93, 0.50, 0.20},
+                                                                {0.68, 0.11, 0.13}}};
 
 /// Letters of DejaVu Sans, the font of gnuplot on Debian: those of Europe, mathematics, symbols. A letter that no font
 /// has covers a whole PNG in black (gnuplot 5.4 with Pango 1.50).
@@ -181,18 +181,20 @@ const std::vector<std::string>& GnuplotRuns::finish() {
 }
 
 std::array<double, 3> palette_colour(double value) {
-  const double position = std::clamp(value, 0.0, 1.0) * (colours.size() - 1);
-  const std::size_t k = std::min(static_cast<std::size_t>(position), colours.size() - 2);
+  const double position = std::clamp(value, 0.0, 1.0) * (palette_colours.size() - 1);
+  const std::size_t k = std::min(static_cast<std::size_t>(position), palette_colours.size() - 2);
   std::array<double, 3> colour;
   for (int c = 0; c < 3; ++c)
-    colour[c] = colours[k][c] + (position - static_cast<double>(k)) * (colours[k + 1][c] - colours[k][c]);
+    colour[c] = palette_colours[k][c] +
+                (position - static_cast<double>(k)) * (palette_colours[k + 1][c] - palette_colours[k][c]);
   return colour;
 }
 
 std::string gnuplot_palette() {
   std::string text = "set palette defined (";
-  for (std::size_t k = 0; k < colours.size(); ++k)
-    text += fmt::format("{}{} {} {} {}", k ? ", " : "", k, colours[k][0], colours[k][1], colours[k][2]);
+  for (std::size_t k = 0; k < palette_colours.size(); ++k)
+    text += fmt::format("{}{} {} {} {}", k ? ", " : "", k, palette_colours[k][0], palette_colours[k][1],
+                        palette_colours[k][2]);
   return text + ")\n";
 }
 

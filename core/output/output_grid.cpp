@@ -17,7 +17,7 @@ namespace cgcontact {
 namespace {
 
 /// Pixels: side of a panel, room for the colour bar at the right, for the title, for the line above a panel.
-constexpr int side = 520, bar_room = 130, title_room = 44, line_room = 30;
+constexpr int panel_side = 520, bar_room = 130, title_room = 44, line_room = 30;
 /// Bodies in the legend.
 constexpr std::size_t max_listed_bodies = 8;
 /// Colours of the largest cells keep so much of their body's.
@@ -124,9 +124,9 @@ std::string colour_bar(const StressErrors& errors, double left, double bottom, i
   std::string text = gnuplot_palette();
   text += fmt::format("set logscale cb\nset cbrange [{}:{}]\nset cbtics {}\n", low, high, bar_tics(low, high));
   text += fmt::format("set label 'estimated error of the stress [{}]' at {},{} center rotate by 90\n", unit.name,
-                      left + 105, bottom + side / 2.0);
+                      left + 105, bottom + panel_side / 2.0);
   text += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", left / width,
-                      (bottom + 0.1 * side) / height, 22.0 / width, 0.8 * side / height);
+                      (bottom + 0.1 * panel_side) / height, 22.0 / width, 0.8 * panel_side / height);
   return text;
 }
 
@@ -140,13 +140,13 @@ struct Look {
 
 std::vector<Look> looks_at(const SceneView& scene, const ZoneLook* zone) {
   Look whole{&scene, {}, "whole", "the whole scene"};
-  whole.view.side = side;
+  whole.view.side = panel_side;
   whole.view.camera = scene.camera;
   whole.view.fit(positions_of(scene.shown));
   std::vector<Look> looks{whole};
   if (!zone) return looks;
   Look near{&zone->view, {}, "zone", "near the contact zone"};
-  near.view.side = side;
+  near.view.side = panel_side;
   near.view.camera = zone->view.camera;
   near.view.fit(corners_around(zone->box));
   if (nearly_all_of_scene * near.view.camera.pixels_per_metre > whole.view.camera.pixels_per_metre)
@@ -156,7 +156,7 @@ std::vector<Look> looks_at(const SceneView& scene, const ZoneLook* zone) {
 
 /// White under the axes and the length of a panel that is full.
 void add_grounds(const Panel& view, Sheet& sheet) {
-  const double right = view.left + side, scale_width = 0.34 * side;
+  const double right = view.left + panel_side, scale_width = 0.34 * panel_side;
   for (const auto& [left, width, height] :
        {std::array<double, 3>{view.left, 68, 72}, std::array<double, 3>{right - scale_width, scale_width, 24}})
     sheet.settings += fmt::format(
@@ -180,7 +180,7 @@ std::string script(const Results& results, std::vector<Look>& looks, const std::
                    const std::string& folder) {
   const bool one_row = looks.size() == 1 || !errors;
   const int legend_room = line_height * static_cast<int>(std::min(results.bodies.size(), max_listed_bodies + 1) + 1);
-  const int row = side + line_room, width = 3 * gap + 2 * side + bar_room;
+  const int row = panel_side + line_room, width = 3 * gap + 2 * panel_side + bar_room;
   const int height = title_room + (one_row ? 1 : 2) * row + legend_room + gap;
   std::string text = page_settings("grid.png", width, height);
   Sheet sheet;
@@ -189,7 +189,7 @@ std::string script(const Results& results, std::vector<Look>& looks, const std::
   sheet.settings += fmt::format("set label {} at {},{} left font ',16'\n", title.text, gap, height - 24);
   const double top = height - title_room - row;
   const auto add = [&](Look& look, int column, double bottom, const std::string& what, const CellColour& colour) {
-    look.view.left = gap + column * (side + gap);
+    look.view.left = gap + column * (panel_side + gap);
     look.view.bottom = bottom;
     sheet.add_panel(look.view, draw(look.scene->shown, look.view, colour), fmt::format("grid_{}_{}", what, look.name),
                     fmt::format("{}: {}", what, look.text), folder);
@@ -207,7 +207,7 @@ std::string script(const Results& results, std::vector<Look>& looks, const std::
     const double bottom = one_row ? top : gap;
     for (std::size_t k = 0; k < looks.size(); ++k)
       add(looks[k], static_cast<int>(one_row ? 1 : k), bottom, "errors", by_error);
-    text += colour_bar(*errors, 2.5 * gap + 2 * side, bottom, width, height);
+    text += colour_bar(*errors, 2.5 * gap + 2 * panel_side, bottom, width, height);
     sheet.panels += ", \\\n  '+' using 1:(NaN):1 with points palette";
   }
   return text + sheet.settings + sheet.panels + "\n";

@@ -78,7 +78,7 @@ std::string figure(double si, const DisplayUnit& unit, int digits = 4) {
 std::string count(long long n) { return fmt::format("<data value=\"{}\">{}</data>", n, grouped(n)); }
 
 /// Nobody wants to read the digits of rounding.
-std::string percent(double fraction) {
+std::string percent_figure(double fraction) {
   return figure(fraction, std::abs(fraction) < rounding ? "below 1e-7&#160;%" : percent_number(fraction) + "&#160;%");
 }
 
@@ -90,7 +90,7 @@ std::string estimate(const Results& results, const PairFigures& pair, const std:
       k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
   if (!error) return coarse ? "not resolved" : "none";
   if (error == 0 && pair.force_given_by_loads) return figure(0, "given by the loads");
-  return coarse ? figure(*error, "not resolved") : percent(*error);
+  return coarse ? figure(*error, "not resolved") : percent_figure(*error);
 }
 
 /// Returns the largest of all forces: of loads, supports, pairs, and the sum of a pair's pressures regardless of
@@ -105,7 +105,7 @@ double force_scale(const Results& results) {
 }
 
 std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }
-std::string force(double newton, double scale = 0) {
+std::string force_figure(double newton, double scale = 0) {
   return std::abs(newton) <= no_force * scale ? figure(newton, "0") : figure(newton, force_unit(std::abs(newton)), 5);
 }
 std::string seconds(double s) { return figure(s, fmt::format("{:.2f}&#160;s", s)); }
@@ -244,7 +244,7 @@ std::string tiles(const Results& results) {
         results.pairs.begin(), results.pairs.end(),
         [](const PairFigures& a, const PairFigures& b) { return a.force_on_first.norm() < b.force_on_first.norm(); });
     const std::string of = results.pairs.size() > 1 ? "of " + html_text(pair.name) + ", " : "";
-    text += tile("Contact force", force(pair.force_on_first.norm()),
+    text += tile("Contact force", force_figure(pair.force_on_first.norm()),
                  of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
     text += tile("Largest contact pressure", stress(pair.max_pressure),
                  of + "estimated error " + estimate(results, pair, pair.max_pressure_error_estimate));
@@ -262,7 +262,8 @@ std::string tiles(const Results& results) {
     text += tile("Largest displacement", figure(moved.value, length_unit(moved.value)),
                  "in " + html_text(results.bodies[u].name) + " at " + html_position(moved.at));
   }
-  text += tile("Error of the stress", percent(results.estimated_error_relative), "estimate, mean over the bodies");
+  text +=
+      tile("Error of the stress", percent_figure(results.estimated_error_relative), "estimate, mean over the bodies");
   return text + "</div>\n";
 }
 
@@ -293,15 +294,15 @@ std::string reliability(const Results& results) {
     text += paragraph(
         (given_by_loads ? std::string("<b>Contact force:</b> given by the loads. ")
          : forces == 0  ? ""
-                        : fmt::format("<b>Contact force:</b> off by about {}{}. ", percent(forces), which)) +
+                        : fmt::format("<b>Contact force:</b> off by about {}{}. ", percent_figure(forces), which)) +
         fmt::format("<b>Contact pressure:</b> off by about {} in the mean over the contact face{} (root mean square).",
-                    percent(pressure), which));
+                    percent_figure(pressure), which));
   text += paragraph(fmt::format(
       "<b>Stress in the bodies:</b> the finite element stress differs from the recovered one, which is shown here, by "
       "{} "
       "in the mean (energy norm). Half the cell size about halves this. Where the shape has a sharp inner edge or a "
       "load ends, the largest stress grows with every refinement: judge it at some distance.",
-      percent(results.estimated_error_relative)));
+      percent_figure(results.estimated_error_relative)));
   if (results.has_effectivity)
     text +=
         paragraph(fmt::format("<b>Against the exact stress of the scene:</b> the estimate is {} times the true error "
@@ -318,7 +319,7 @@ std::string accuracy_section(const Results& results, const PageContents& content
   std::vector<std::string> rows;
   double most = 0;
   for (const SolveFigures& solve : accuracy.solves) most = std::max(most, solve.seconds);
-  const auto error = [](const std::optional<double>& e) { return cell(e ? percent(*e) : "not resolved"); };
+  const auto error = [](const std::optional<double>& e) { return cell(e ? percent_figure(*e) : "not resolved"); };
   std::vector<std::string> heads{"Solve",      "Unknowns",         "Smallest cell",
                                  "Levels",     "Outer iterations", "Est. error of the pressure",
                                  "its change", "of the force"};
@@ -330,7 +331,7 @@ std::string accuracy_section(const Results& results, const PageContents& content
   heads.insert(heads.end(), {"Time", ""});
   const auto of_bodies = [&](const SolveFigures& solve) {
     std::string cells;
-    for (const double e : solve.stress_of_body) cells += cell(percent(e));
+    for (const double e : solve.stress_of_body) cells += cell(percent_figure(e));
     for (std::size_t k = 0; k < accuracy.named.size(); ++k)
       cells += error(k < solve.named.size() ? solve.named[k] : std::nullopt);
     return cells;
@@ -341,10 +342,10 @@ std::string accuracy_section(const Results& results, const PageContents& content
                    cell(count(solve.unknowns)) +
                    cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) + cell(count(solve.levels)) +
                    cell(count(solve.outer_iterations)) + error(solve.pressure) +
-                   cell(solve.change ? percent(*solve.change) : "-") + error(solve.force) +
-                   (with_shear ? cell(solve.shear ? percent(*solve.shear) : "-") : "") + cell(percent(solve.stress)) +
-                   of_bodies(solve) + "<td class=\"run\">" + seconds(solve.seconds) + "</td>" +
-                   bar(most > 0 ? solve.seconds / most : 0, "bar run"));
+                   cell(solve.change ? percent_figure(*solve.change) : "-") + error(solve.force) +
+                   (with_shear ? cell(solve.shear ? percent_figure(*solve.shear) : "-") : "") +
+                   cell(percent_figure(solve.stress)) + of_bodies(solve) + "<td class=\"run\">" +
+                   seconds(solve.seconds) + "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
   }
   std::string targets;
   for (const AskedError& asked : asked_errors(accuracy))
@@ -358,18 +359,18 @@ std::string accuracy_section(const Results& results, const PageContents& content
                  "pressure since the solve before tells how far to trust them.");
 }
 
-std::string length(double metres) { return figure(metres, length_unit(std::abs(metres))); }
+std::string length_figure(double metres) { return figure(metres, length_unit(std::abs(metres))); }
 
 std::string zone_of(const ZoneFigures& zone) {
   if (!zone.extent) return cell("-") + cell("-");
   const auto& [longer, shorter] = zone.extent->half_axes;
-  return cell(name_of(zone.extent->shape)) + cell(length(longer) + " × " + length(shorter));
+  return cell(name_of(zone.extent->shape)) + cell(length_figure(longer) + " × " + length_figure(shorter));
 }
 
 std::string hertz_of(const ZoneFigures& zone) {
   if (!zone.hertz) return cell("-") + cell("-");
-  return cell(zone.hertz->a ? length(*zone.hertz->a) + " × " + length(zone.hertz->b)
-                            : "half width " + length(zone.hertz->b)) +
+  return cell(zone.hertz->a ? length_figure(*zone.hertz->a) + " × " + length_figure(zone.hertz->b)
+                            : "half width " + length_figure(zone.hertz->b)) +
          cell(stress(zone.hertz->p0));
 }
 
@@ -379,7 +380,7 @@ std::string whole_zones(const Results& results) {
   for (const PairFigures& pair : results.pairs)
     if (const int sectors = pair.zone.sectors; sectors > 1)
       rows.push_back(name_cell(html_text(pair.name)) + cell("1/" + std::to_string(sectors)) +
-                     cell(force(sectors * pair.zone.normal_force)) +
+                     cell(force_figure(sectors * pair.zone.normal_force)) +
                      cell(figure(sectors * pair.area, area_unit(sectors * pair.area))));
   return rows.empty() ? ""
                       : "<h3>With what lies behind planes of symmetry</h3>\n" +
@@ -391,14 +392,14 @@ std::string newton_metres(double moment) { return figure(moment, scaled(moment, 
 /// Lists what friction could carry, a row for every pair that has some.
 std::string friction_of_pairs(const Results& results) {
   std::vector<std::string> rows;
-  const auto error = [](const std::optional<double>& e) { return cell(e ? percent(*e) : "none"); };
+  const auto error = [](const std::optional<double>& e) { return cell(e ? percent_figure(*e) : "none"); };
   for (const PairFigures& pair : results.pairs) {
     if (!pair.friction) continue;
     const FrictionFigures& friction = *pair.friction;
     const bool is_sector = pair.zone.sectors > 1;
     std::string row = name_cell(html_text(pair.name)) + cell(fmt::format("{:g}", friction.coefficient)) +
-                      cell(force(friction.capacity)) + error(friction.error) +
-                      cell(is_sector ? force(friction.whole) : "-");
+                      cell(force_figure(friction.capacity)) + error(friction.error) +
+                      cell(is_sector ? force_figure(friction.whole) : "-");
     if (const auto& torque = friction.torque)
       row += cell(newton_metres(torque->capacity)) + error(torque->error) +
              cell(is_sector ? newton_metres(torque->whole) : "-") + "<td class=\"text\">" +
@@ -407,9 +408,9 @@ std::string friction_of_pairs(const Results& results) {
     else
       row += cell("none") + cell("-") + cell("-") + "<td class=\"text\">" + html_text(friction.why_no_torque) + "</td>";
     rows.push_back(row + cell(friction.use ? figure(*friction.use, use_text(*friction.use)) : "-") +
-                   cell(force(friction.force.norm())) + error(friction.shear_error) + cell(length(friction.max_slip)) +
-                   cell(figure(friction.work, scaled(friction.work, "J", 4))) + "<td class=\"text\">" +
-                   html_text(verdict_on(friction)) + "</td>");
+                   cell(force_figure(friction.force.norm())) + error(friction.shear_error) +
+                   cell(length_figure(friction.max_slip)) + cell(figure(friction.work, scaled(friction.work, "J", 4))) +
+                   "<td class=\"text\">" + html_text(verdict_on(friction)) + "</td>");
   }
   return rows.empty()
              ? ""
@@ -429,7 +430,7 @@ std::string zones_of_pairs(const Results& results) {
   for (const PairFigures& pair : results.pairs) {
     const ZoneFigures& zone = pair.zone;
     any_hertz |= zone.hertz.has_value();
-    zones.push_back(name_cell(html_text(pair.name)) + cell(force(zone.normal_force)) +
+    zones.push_back(name_cell(html_text(pair.name)) + cell(force_figure(zone.normal_force)) +
                     cell(stress(zone.mean_pressure)) + zone_of(zone) + hertz_of(zone));
     if (!zone.moment) continue;
     std::string row =
@@ -451,11 +452,12 @@ std::string pairs_section(const Results& results) {
   std::vector<std::string> rows;
   for (const PairFigures& pair : results.pairs) {
     const double size = pair.force_on_first.norm();
-    rows.push_back(
-        name_cell(html_text(pair.name)) + cell(force(size)) + cell(estimate(results, pair, pair.force_error_estimate)) +
-        cell(stress(pair.max_pressure)) + cell(estimate(results, pair, pair.max_pressure_error_estimate)) +
-        cell(estimate(results, pair, pair.pressure_error_estimate)) + cell(figure(pair.area, area_unit(pair.area))) +
-        cell(pair.bonded ? "bonded" : count(pair.active_points) + " of " + count(pair.points)));
+    rows.push_back(name_cell(html_text(pair.name)) + cell(force_figure(size)) +
+                   cell(estimate(results, pair, pair.force_error_estimate)) + cell(stress(pair.max_pressure)) +
+                   cell(estimate(results, pair, pair.max_pressure_error_estimate)) +
+                   cell(estimate(results, pair, pair.pressure_error_estimate)) +
+                   cell(figure(pair.area, area_unit(pair.area))) +
+                   cell(pair.bonded ? "bonded" : count(pair.active_points) + " of " + count(pair.points)));
   }
   std::vector<std::string> forces;
   for (const PairFigures& pair : results.pairs)
@@ -505,7 +507,7 @@ std::string conditions_section(const Results& results, const PageContents& conte
                      cell(figure(std::abs(pair.interference), length_unit(std::abs(pair.interference)))) +
                      text_cell(std::string(pair.interference > 0 ? "interference" : "clearance") +
                                (pair.preload ? ", found for a preload of " + scaled(*pair.preload, "N") : "")) +
-                     cell(force(pair.force_on_first.norm())));
+                     cell(force_figure(pair.force_on_first.norm())));
   if (!fits.empty())
     text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
   const std::string shown =
@@ -560,7 +562,7 @@ std::string steps_section(const Results& results, const PageContents& contents) 
                              cell(fmt::format("{:g}", s.step.loads)) + cell(fmt::format("{:g}", s.step.displacements)) +
                              cell(fmt::format("{:g}", s.step.interference));
     for (const PairFigures& pair : s.pairs)
-      rows.push_back(step + cell(html_text(pair.name)) + cell(force(pair.force_on_first.norm())) +
+      rows.push_back(step + cell(html_text(pair.name)) + cell(force_figure(pair.force_on_first.norm())) +
                      cell(stress(pair.max_pressure)) + cell(figure(pair.area, area_unit(pair.area))));
     if (s.pairs.empty()) rows.push_back(step + cell("") + cell("") + cell("") + cell(""));
   }
@@ -579,7 +581,8 @@ std::string probes_section(const Results& results, const PageContents& contents)
   for (const ProbeFigures& probe : results.probes) {
     const auto value = [&](std::size_t f, const Extreme& extreme) {
       const bool is_metres = is_length(probe.fields[f]);
-      return cell((is_metres ? length(extreme.value) : stress(extreme.value)) + "<br/>" + html_position(extreme.at));
+      return cell((is_metres ? length_figure(extreme.value) : stress(extreme.value)) + "<br/>" +
+                  html_position(extreme.at));
     };
     for (std::size_t f = 0; f < probe.fields.size(); ++f) {
       const auto range = range_of(probe, f);
@@ -691,7 +694,7 @@ std::string balance_section(const Results& results) {
   if (!rows.empty()) text += table({"Body", "Resultant of", "x", "y", "z"}, rows);
   std::vector<std::string> supports;
   for (const SupportFigures& support : results.supports)
-    supports.push_back(name_cell(html_text(support.face)) + cell(force(support.force.norm(), scale)) +
+    supports.push_back(name_cell(html_text(support.face)) + cell(force_figure(support.force.norm(), scale)) +
                        components(support.force, scale));
   if (!supports.empty())
     text += "<h3>Reactions of the supports</h3>\n" + table({"Face", "Force", "x", "y", "z"}, supports);
@@ -787,7 +790,7 @@ std::string bodies_section(const Results& results) {
                    cell(count(static_cast<long long>(cells.cells.size()))) +
                    cell(count(static_cast<long long>(cells.active_of_cut.size()))) +
                    cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
-                   cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
+                   cell(total > 0 ? percent_figure(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
   }
   if (rows.empty()) return "";
   return table({"Body", "E", "ν", "Cell", "Cells", "of them cut", "Est. error", "Share", ""}, rows) +
@@ -800,8 +803,8 @@ std::string reference_section(const Results& results) {
   if (results.pressure_errors.empty()) return "";
   std::vector<std::string> rows;
   for (const ZoneError& zone : results.pressure_errors)
-    rows.push_back(name_cell(html_text(zone.zone)) + cell(percent(zone.raw)) + cell(percent(zone.spr)) +
-                   cell(percent(zone.sprc)));
+    rows.push_back(name_cell(html_text(zone.zone)) + cell(percent_figure(zone.raw)) + cell(percent_figure(zone.spr)) +
+                   cell(percent_figure(zone.sprc)));
   return paragraph("Relative error (L2 norm) of the contact pressure against the reference of the scene.") +
          table({"Zone", "raw stress", "SPR", name_of_pressure(results)}, rows);
 }

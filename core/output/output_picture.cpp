@@ -22,7 +22,7 @@ namespace {
 constexpr int picture_side = 1000;
 /// Pixels: side of the picture of the contact zone, as high as that of the scene within these bounds; space between
 /// its parts.
-constexpr int min_zone_side = 420, max_zone_side = 560, between = 40;
+constexpr int min_zone_side = 420, max_zone_side = 560, part_spacing = 40;
 /// Pixels: by which the last body is drawn nearer to the viewer than the first one. Otherwise rounding would decide
 /// which of overlapping sections in one plane is seen.
 constexpr double nearer = 2;
@@ -226,8 +226,8 @@ Frame frame_of(const Results& results, const View& view, const std::array<int, 2
   const int right = 145;
   Frame frame{};
   frame.left = flat ? 125 : 30;
-  frame.zone_left = frame.left + size[0] + between;
-  frame.bar_left = zone ? frame.zone_left + zone->side + between : frame.left + size[0] + 25;
+  frame.zone_left = frame.left + size[0] + part_spacing;
+  frame.bar_left = zone ? frame.zone_left + zone->side + part_spacing : frame.left + size[0] + 25;
   frame.width = frame.bar_left + right;
   const auto most = most_stressed(results);
   frame.title = gnuplot_title(drawable_text(results.title), frame.width - 20, png_pixels(18));

@@ -23,7 +23,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t max_curves = 2;  ///< bodies of a path that are drawn
+constexpr std::size_t max_path_bodies = 2;  ///< bodies of a path that are drawn
 
 /// Samples of a pair's path by body, each sorted along the path.
 std::vector<std::vector<PathSample>> samples_by_body(const Results& results, int pair) {
@@ -78,7 +78,7 @@ std::vector<SymmetryPlane> planes_of_path(const Results& results, int pair) {
 std::vector<PathEnd> ends_at_planes(const std::vector<std::vector<PathSample>>& bodies,
                                     const std::vector<SymmetryPlane>& planes) {
   std::vector<PathEnd> ends;
-  for (std::size_t b = 0; b < std::min(bodies.size(), max_curves); ++b) {
+  for (std::size_t b = 0; b < std::min(bodies.size(), max_path_bodies); ++b) {
     const std::vector<PathSample>& samples = bodies[b];
     double largest = 0;
     for (const PathSample& p : samples) largest = std::max(largest, p.pressure_sprc);
@@ -160,7 +160,7 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
   curves.push_back({4, name_of_pressure(results.pairs[bodies.front().front().pair].pressure_on_face), "#d2501e", 2.4});
   std::string text;
   for (const Curve& curve : curves)
-    for (std::size_t b = 0; b < std::min(bodies.size(), max_curves); ++b)
+    for (std::size_t b = 0; b < std::min(bodies.size(), max_path_bodies); ++b)
       text += fmt::format("  '{}' index {} using 1:{} with lines lc rgb '{}' lw {} dt {} {}, \\\n", data, b,
                           curve.column, curve.colour, b == 0 ? curve.width : 0.8 * curve.width, b == 0 ? "1" : "(6,4)",
                           b == 0 ? fmt::format("title '{}'", curve.name) : "notitle");

@@ -133,19 +133,19 @@ double highest(const PairFigures& pair) {
 }
 
 /// Range of the drawn values, Pa: the pressure from zero; of bonded faces the normal traction, of both signs.
-struct Range {
+struct DrawnRange {
   double low = 0, high = 1;
 };
 
-Range range_of(const Results& results, std::size_t pair) {
+DrawnRange range_of(const Results& results, std::size_t pair) {
   if (!results.pairs[pair].bonded) return {0, highest(results.pairs[pair])};
-  Range range{0, 0};
+  DrawnRange range{0, 0};
   for (const ContactRow& row : results.contact_rows) {
     if (row.pair != static_cast<int>(pair) || !row.active || !std::isfinite(row.pressure_sprc)) continue;
     range.low = std::min(range.low, row.pressure_sprc);
     range.high = std::max(range.high, row.pressure_sprc);
   }
-  return range.low < range.high ? range : Range();
+  return range.low < range.high ? range : DrawnRange();
 }
 
 std::string quantity(const Results& results, std::size_t pair) {
@@ -248,7 +248,7 @@ class Fragments {
   }
 
   const BodyFields& body_;
-  const Range range_;
+  const DrawnRange range_;
   const bool bonded_;
   const FaceChart& chart_;
   int cell_ = 0;
@@ -285,7 +285,7 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   const std::string lines = results.pairs[face.pair].bonded ? "" : fragments.contour(zone_end, length);
   if (!lines.empty()) write_text(folder + "/" + name + ".dat", lines);
 
-  const Range range = range_of(results, face.pair);
+  const DrawnRange range = range_of(results, face.pair);
   const DisplayUnit stress = stress_unit(std::max(-range.low, range.high));
   const int left = 110, right = 180, bottom = 125;
   const double width = size[0] + left + right;
@@ -321,7 +321,7 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
 }
 
 /// How a face is drawn: a map, or a curve along an axis of the chart.
-struct Layout {
+struct FaceLayout {
   FaceChart chart;
   Paper paper;                   ///< that is shown
   std::optional<int> axis;       ///< of the curve (0: right, 1: up); none: a map
@@ -351,7 +351,8 @@ std::array<Vec3, 2> tips_of(const FaceTriangles& shape, const FaceChart& chart, 
 }
 
 /// The face of a section (plane strain, revolution) around the zone. across: nothing varies along it.
-Layout layout_of_section(const FaceTriangles& face, const FaceTriangles& zone, const Vec3& across, double cell_size) {
+FaceLayout layout_of_section(const FaceTriangles& face, const FaceTriangles& zone, const Vec3& across,
+                             double cell_size) {
   SceneBox box;
   for (const auto& t : zone.triangles)
     for (int p : t) box.add((*zone.position)[p]);
@@ -367,7 +368,7 @@ Layout layout_of_section(const FaceTriangles& face, const FaceTriangles& zone, c
       part.triangles.push_back(t);
   }
   const FaceChart chart(part);
-  Layout layout{chart, bounds(part, chart), chart.axis_across(across), true, box, true, {}};
+  FaceLayout layout{chart, bounds(part, chart), chart.axis_across(across), true, box, true, {}};
   layout.paper.low[1 - *layout.axis] = layout.paper.high[1 - *layout.axis] = 0;
   layout.all = part.triangles.size() == face.triangles.size();
   layout.tips = tips_of(part, chart, *layout.axis);
@@ -375,11 +376,11 @@ Layout layout_of_section(const FaceTriangles& face, const FaceTriangles& zone, c
 }
 
 /// A curve of means where the face is much longer than wide, else a map.
-Layout layout_of_face(const FaceTriangles& face, const FaceTriangles& zone, double cell_size) {
+FaceLayout layout_of_face(const FaceTriangles& face, const FaceTriangles& zone, double cell_size) {
   const FaceChart chart(face);
   const Paper whole = bounds(face, chart);
   const bool curve = std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
-  Layout layout{curve ? chart : FaceChart(zone), whole, std::nullopt, false, std::nullopt, true, {}};
+  FaceLayout layout{curve ? chart : FaceChart(zone), whole, std::nullopt, false, std::nullopt, true, {}};
   const Paper all = bounds(face, layout.chart);
   layout.paper = zoomed(bounds(zone, layout.chart), all, cell_size);
   layout.all = layout.paper.largest() >= 0.99 * all.largest();
@@ -403,12 +404,12 @@ struct MeanCurve {
 };
 
 /// m, of the bins of a body's curve: small ones where rows beside each other have one pressure.
-double bin_width(const Results& results, int body, const Layout& layout) {
+double bin_width(const Results& results, int body, const FaceLayout& layout) {
   const double least = layout.paper.extent(*layout.axis) / max_bins;
   return layout.section ? least : std::max(bin_in_cells * smallest_cell(results, body), least);
 }
 
-std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, const Layout& layout) {
+std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, const FaceLayout& layout) {
   const int axis = *layout.axis;
   std::vector<MeanCurve> curves;
   for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
@@ -439,7 +440,7 @@ std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, con
 }
 
 /// Finds the ends of the face at which planes of symmetry cut the zone: behind them one more bin would lie.
-std::vector<CurveEnd> ends_of_face(const Results& results, const Face& face, const Layout& layout,
+std::vector<CurveEnd> ends_of_face(const Results& results, const Face& face, const FaceLayout& layout,
                                    const std::vector<MeanCurve>& curves) {
   std::vector<CurveEnd> ends;
   const auto curve =
@@ -504,11 +505,11 @@ std::string curve_plots(const Results& results, const std::vector<MeanCurve>& cu
 }
 
 /// Curve along a face of which nothing or only a mean is shown across.
-std::string curve_script(const Results& results, const Face& face, const Layout& layout, const std::string& name,
+std::string curve_script(const Results& results, const Face& face, const FaceLayout& layout, const std::string& name,
                          const std::string& folder) {
   const int axis = *layout.axis;
   const FaceChart& chart = layout.chart;
-  const Range range = range_of(results, face.pair);
+  const DrawnRange range = range_of(results, face.pair);
   const std::vector<MeanCurve> curves = mean_curves(results, face, layout);
   const std::vector<CurveEnd> ends = ends_of_face(results, face, layout, curves);
   const std::array<double, 2> shown = range_of(layout.paper, axis, ends);
@@ -542,7 +543,7 @@ std::string curve_script(const Results& results, const Face& face, const Layout&
   return script + "\nunset arrow\nunset grid\n";
 }
 
-std::string caption_of(const Results& results, const Face& face, const Layout& layout) {
+std::string caption_of(const Results& results, const Face& face, const FaceLayout& layout) {
   const std::string& body = results.bodies[face.body].name;
   std::string caption =
       layout.section ? "Pressure along the contact face, across which nothing varies"
@@ -583,9 +584,9 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
     const Paper whole = bounds(face.shape, FaceChart(face.shape));
     if (!(whole.largest() > 0) || !std::isfinite(whole.largest())) continue;
     const Grid& grid = results.bodies[face.body].cut_cells->grid;
-    const Layout layout = grid.plane_strain >= 0
-                              ? layout_of_section(face.shape, zone, grid.rotation.col(grid.plane_strain), cell_size)
-                              : layout_of_face(face.shape, zone, cell_size);
+    const FaceLayout layout = grid.plane_strain >= 0
+                                  ? layout_of_section(face.shape, zone, grid.rotation.col(grid.plane_strain), cell_size)
+                                  : layout_of_face(face.shape, zone, cell_size);
     const std::string name = pair == 0 ? "pressure_map" : fmt::format("pressure_map_{}", pair + 1);
     const std::string folder = runs.directory() + "/plots";
     script += layout.axis ? curve_script(results, face, layout, name, folder)

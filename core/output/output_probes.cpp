@@ -8,12 +8,12 @@
 #include <set>
 
 #include "core/base/text.hpp"
+#include "core/output/output_csv.hpp"
 
 namespace cgcontact {
 
 namespace {
 
-constexpr int digits = 10;  ///< as contact.csv
 const char* const line_colours[] = {"#2070b8", "#d2501e", "#3a9a50", "#8a5fb0",
                                     "#b08a20", "#20a0a8", "#c04a80", "#606060"};
 
@@ -127,13 +127,13 @@ void write_probes_csv(const Results& results, const std::string& file_name) {
     for (const ProbeSample& sample : probe.samples) {
       text += fmt::format("{},{},{}", csv_text(probe.name), sample.point, csv_text(results.bodies[sample.body].name));
       for (const double value : {sample.way, sample.x[0], sample.x[1], sample.x[2], sample.weight})
-        fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
+        fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, csv_digits);
       for (const ScalarField field : columns) {
         const auto found = std::find(probe.fields.begin(), probe.fields.end(), field);
         const double value = found == probe.fields.end()
                                  ? std::nan("")
                                  : sample.values[static_cast<std::size_t>(found - probe.fields.begin())];
-        text += std::isfinite(value) ? fmt::format(",{:.{}g}", value, digits) : ",";
+        text += std::isfinite(value) ? fmt::format(",{:.{}g}", value, csv_digits) : ",";
       }
       text += "\n";
     }

@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "core/base/errors.hpp"
+#include "core/base/json.hpp"
 #include "core/base/text.hpp"
 #include "core/cells/grid.hpp"
 #include "core/drawing/extremes.hpp"
@@ -17,8 +17,6 @@
 namespace cgcontact {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json json_of(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
 

@@ -15,19 +15,19 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int side = 860;                           ///< of the picture of the section, pixels
+constexpr int section_side = 860;                   ///< of the picture of the section, pixels
 constexpr int left = 30, bottom = 20, right = 190;  ///< around it
 constexpr double bar_width = 24;
 
 /// Section with the values at its points.
-struct Section {
+struct DrawnSection {
   std::vector<DrawnBody> bodies;
   std::vector<std::vector<double>> values;
   double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
 };
 
-Section cut(const SectionSpec& spec, const std::vector<DrawnBody>& bodies) {
-  Section section;
+DrawnSection cut(const SectionSpec& spec, const std::vector<DrawnBody>& bodies) {
+  DrawnSection section;
   for (const DrawnBody& whole : bodies) {
     section.bodies.push_back(section_of(whole, spec.point, spec.normal));
     const DrawnBody& body = section.bodies.back();
@@ -51,7 +51,7 @@ void look_against(const Vec3& normal, Camera& camera) {
   camera.up = normal.cross(camera.right);
 }
 
-RenderedImage draw(const Section& section, const Panel& panel) {
+RenderedImage draw(const DrawnSection& section, const Panel& panel) {
   std::vector<std::array<int, 2>> triangles;  // body, triangle
   for (std::size_t b = 0; b < section.bodies.size(); ++b)
     for (std::size_t i = 0; i < section.bodies[b].mesh.boundary.size(); ++i)
@@ -73,25 +73,25 @@ RenderedImage draw(const Section& section, const Panel& panel) {
 }
 
 /// Colour bar from the smallest to the largest value of the section.
-std::string colour_bar(const SectionSpec& spec, const Section& section, int width, int height) {
+std::string colour_bar(const SectionSpec& spec, const DrawnSection& section, int width, int height) {
   const double most = std::max(std::abs(section.low), std::abs(section.high));
   const DisplayUnit unit = is_length(spec.field) ? length_unit(most) : stress_unit(most);
   const double high = section.high > section.low ? section.high : section.low + std::max(1e-9 * most, 1e-300);
   std::string text = gnuplot_palette();
   text += fmt::format("set cbrange [{}:{}]\nset cblabel '{} [{}]'\n", section.low * unit.factor, high * unit.factor,
                       name_of(spec.field), unit.name);
-  text += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", (left + side + 30.0) / width,
-                      (bottom + 0.1 * side) / height, bar_width / width, 0.8 * side / height);
+  text += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", (left + section_side + 30.0) / width,
+                      (bottom + 0.1 * section_side) / height, bar_width / width, 0.8 * section_side / height);
   return text + "set cbtics\nset format cb '%g'\n";
 }
 
 void write_section(const Scene& scene, const SectionSpec& spec, const std::vector<DrawnBody>& bodies,
                    GnuplotRuns& runs) {
-  const Section section = cut(spec, bodies);
+  const DrawnSection section = cut(spec, bodies);
   Panel panel;
   panel.left = left;
   panel.bottom = bottom;
-  panel.side = side;
+  panel.side = section_side;
   look_against(spec.normal, panel.camera);
   std::vector<Vec3> positions;
   for (const DrawnBody& body : section.bodies)
@@ -99,9 +99,9 @@ void write_section(const Scene& scene, const SectionSpec& spec, const std::vecto
   if (positions.empty()) return runs.warn(fmt::format("section \"{}\": its plane meets no body", spec.name));
   panel.fit(positions);
   const std::string name = "section_" + spec.name, file = section_picture(spec);
-  const int width = left + side + right;
+  const int width = left + section_side + right;
   const GnuplotTitle title = gnuplot_title(drawable_text(spec.name + ": " + scene.title), width - 20, png_pixels(16));
-  const int height = bottom + side + 40 + 24 * title.lines;
+  const int height = bottom + section_side + 40 + 24 * title.lines;
   Sheet sheet;
   sheet.settings = page_settings(file.c_str(), width, height) + colour_bar(spec, section, width, height) +
                    fmt::format("set label {} at {},{} center font ',16'\n", title.text, width / 2.0, height - 28);

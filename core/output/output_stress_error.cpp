@@ -15,10 +15,10 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double thin_face = 0.15;  ///< ratio of the sides below which a face is drawn as a curve
+constexpr double thin_area = 0.15;  ///< ratio of the sides below which a face is drawn as a curve
 
 /// Layout of the samples on paper.
-struct Layout {
+struct SampleLayout {
   enum class Kind { line, arc, map } kind = Kind::map;
   int first = 0, second = 1;  ///< coordinate axes with the largest and second largest extent
   Vec3 low, extent;
@@ -32,7 +32,7 @@ struct Layout {
 };
 
 /// Least-squares circle through the samples in the plane of the layout; false if they do not lie on one.
-bool fit_circle(const std::vector<StressErrorSample>& samples, Layout& layout) {
+bool fit_circle(const std::vector<StressErrorSample>& samples, SampleLayout& layout) {
   Mat3 matrix = Mat3::Zero();
   Vec3 rhs = Vec3::Zero();
   const double scale = layout.extent[layout.first];
@@ -56,8 +56,8 @@ bool fit_circle(const std::vector<StressErrorSample>& samples, Layout& layout) {
   });
 }
 
-Layout make_layout(const std::vector<StressErrorSample>& samples) {
-  Layout layout;
+SampleLayout make_layout(const std::vector<StressErrorSample>& samples) {
+  SampleLayout layout;
   layout.low = samples.front().x;
   Vec3 high = layout.low;
   for (const StressErrorSample& sample : samples) {
@@ -69,10 +69,10 @@ Layout make_layout(const std::vector<StressErrorSample>& samples) {
   std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return layout.extent[a] > layout.extent[b]; });
   layout.first = axes[0];
   layout.second = axes[1];
-  if (layout.extent[axes[1]] <= thin_face * layout.extent[axes[0]])
-    layout.kind = Layout::Kind::line;
-  else if (layout.extent[axes[2]] <= thin_face * layout.extent[axes[0]] && fit_circle(samples, layout))
-    layout.kind = Layout::Kind::arc;
+  if (layout.extent[axes[1]] <= thin_area * layout.extent[axes[0]])
+    layout.kind = SampleLayout::Kind::line;
+  else if (layout.extent[axes[2]] <= thin_area * layout.extent[axes[0]] && fit_circle(samples, layout))
+    layout.kind = SampleLayout::Kind::arc;
   else if (layout.first > layout.second)
     std::swap(layout.first, layout.second);
   return layout;
@@ -92,7 +92,7 @@ double colour_limit(const std::vector<StressErrorSample>& samples) {
 }
 
 /// Means over the thin direction: coordinate, SPR, SPR-C; one block per body.
-std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies, const Layout& layout,
+std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies, const SampleLayout& layout,
                        const DisplayUnit& length, const DisplayUnit& stress) {
   std::string data;
   for (const auto& samples : bodies) {
@@ -113,15 +113,15 @@ std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies
 }
 
 std::string curve_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
-                         const Layout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
+                         const SampleLayout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
   std::string script =
       "set encoding utf8\nset terminal svg size 1100,480 fixed noenhanced font 'sans-serif,14' background 'white'\n";
   script += "set output '../stress_error.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
   script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside top center horizontal Left reverse samplen 2.6\n";
-  script +=
-      fmt::format("set multiplot layout 1,2 title {} font ',16'\nset xlabel '{} [{}]'\n",
-                  gnuplot_title("Error of the recovered stress on the contact face: " + results.title, 1080, 16).text,
-                  layout.kind == Layout::Kind::arc ? "arc length" : std::string(1, "xyz"[layout.first]), length.name);
+  script += fmt::format(
+      "set multiplot layout 1,2 title {} font ',16'\nset xlabel '{} [{}]'\n",
+      gnuplot_title("Error of the recovered stress on the contact face: " + results.title, 1080, 16).text,
+      layout.kind == SampleLayout::Kind::arc ? "arc length" : std::string(1, "xyz"[layout.first]), length.name);
   double highest = 0;
   for (const auto& samples : bodies)
     for (const StressErrorSample& sample : samples) highest = std::max({highest, sample.error_spr, sample.error_sprc});
@@ -147,7 +147,7 @@ struct Raster {
   std::vector<int> sample;  ///< or -1
 };
 
-Raster make_raster(const std::vector<StressErrorSample>& samples, const Layout& layout) {
+Raster make_raster(const std::vector<StressErrorSample>& samples, const SampleLayout& layout) {
   Raster raster;
   const int axes[2] = {layout.first, layout.second};
   const double largest = std::max(layout.extent[axes[0]], layout.extent[axes[1]]);
@@ -180,7 +180,7 @@ Raster make_raster(const std::vector<StressErrorSample>& samples, const Layout& 
 }
 
 /// x, y, SPR, SPR-C on the raster of each body.
-std::string map_data(const std::vector<std::vector<StressErrorSample>>& bodies, const Layout& layout,
+std::string map_data(const std::vector<std::vector<StressErrorSample>>& bodies, const SampleLayout& layout,
                      const DisplayUnit& length, const DisplayUnit& stress) {
   std::string data;
   for (const auto& samples : bodies) {
@@ -207,7 +207,7 @@ std::string title_of(const Results& results, int width) {
 }
 
 std::string map_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
-                       const Layout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
+                       const SampleLayout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
   const int rows = static_cast<int>(std::min<std::size_t>(bodies.size(), 2));
   const double limit = colour_limit(results.stress_errors) * stress.factor;
   std::string script = fmt::format(
@@ -244,10 +244,10 @@ void write_stress_error_plot(const Results& results, GnuplotRuns& runs) {
     if (!samples.empty()) bodies.push_back(std::move(samples));
   }
   if (bodies.empty()) return;
-  const Layout layout = make_layout(results.stress_errors);
+  const SampleLayout layout = make_layout(results.stress_errors);
   const DisplayUnit length = length_unit((layout.low.cwiseAbs() + layout.extent).maxCoeff());
   const DisplayUnit stress = stress_unit(colour_limit(results.stress_errors));
-  const bool curves = layout.kind != Layout::Kind::map;
+  const bool curves = layout.kind != SampleLayout::Kind::map;
   write_text(runs.directory() + "/plots/stress_error.dat",
              curves ? curve_data(bodies, layout, length, stress) : map_data(bodies, layout, length, stress));
   const std::string script = curves ? curve_script(results, bodies, layout, length, stress)

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "core/base/errors.hpp"
+#include "core/base/json.hpp"
 #include "core/base/text.hpp"
 #include "core/output/output_study_plots.hpp"
 
@@ -18,7 +18,6 @@ namespace cgcontact {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 const char* const files[] = {"study.csv", "study.json", "error_time.svg", "error_unknowns.svg", "figures.svg"};
 constexpr double much_finer = 2 * (1 - 1e-9);  ///< cells over those of the study's own reference (docs/study.md)
@@ -181,9 +180,11 @@ std::string aligned(const std::vector<std::vector<std::string>>& lines) {
   return text;
 }
 
-std::string percent(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", 100 * *value) : "-"; }
+std::string percent_or_dash(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3g}", 100 * *value) : "-";
+}
 
-std::string digits(const std::optional<double>& value, int decimals) {
+std::string with_decimals(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
@@ -195,13 +196,13 @@ std::string cost_table(const Study& study) {
     const RunFigures& run = row.figures;
     std::vector<std::string> line{row.variant, row.size};
     if (row.has_figures())
-      line.insert(
-          line.end(),
-          {fmt::to_string(run.unknowns), fmt::to_string(run.active_cells), fmt::to_string(run.contact_points),
-           fmt::to_string(run.outer_iterations), fmt::to_string(run.linear_iterations),
-           fmt::format("{:.3g}", run.total_time_s()), scaled(static_cast<double>(run.peak_memory_bytes), "B", 3),
-           percent(run.estimated_error_relative), digits(run.effectivity, 3), percent(force_error(row)),
-           percent(run.force_error_estimate), percent(run.pressure_error_estimate)});
+      line.insert(line.end(), {fmt::to_string(run.unknowns), fmt::to_string(run.active_cells),
+                               fmt::to_string(run.contact_points), fmt::to_string(run.outer_iterations),
+                               fmt::to_string(run.linear_iterations), fmt::format("{:.3g}", run.total_time_s()),
+                               scaled(static_cast<double>(run.peak_memory_bytes), "B", 3),
+                               percent_or_dash(run.estimated_error_relative), with_decimals(run.effectivity, 3),
+                               percent_or_dash(force_error(row)), percent_or_dash(run.force_error_estimate),
+                               percent_or_dash(run.pressure_error_estimate)});
     if (row.status != StudyRow::Status::solved) line.resize(lines[0].size(), "-");
     lines.push_back(line);
     if (row.status != StudyRow::Status::solved) lines.back().push_back(status_name(row.status));
@@ -233,9 +234,10 @@ std::string error_table(const Study& study, const std::string& zone) {
   for (const StudyRow& row : study.rows) {
     if (row.errors.empty() || row.status != StudyRow::Status::solved) continue;
     std::vector<std::string> line{row.variant, row.size};
-    for (const PressureKind& kind : pressure_kinds()) line.push_back(percent(pressure_error(row, zone, kind)));
-    line.push_back(digits(error_ratio(row, zone), 2));
-    for (const PressureKind& kind : pressure_kinds()) line.push_back(digits(observed_rate(study, row, zone, kind), 2));
+    for (const PressureKind& kind : pressure_kinds()) line.push_back(percent_or_dash(pressure_error(row, zone, kind)));
+    line.push_back(with_decimals(error_ratio(row, zone), 2));
+    for (const PressureKind& kind : pressure_kinds())
+      line.push_back(with_decimals(observed_rate(study, row, zone, kind), 2));
     lines.push_back(line);
   }
   return lines.size() < 2 ? "" : fmt::format("pressure error, {}\n{}", zone, aligned(lines));

@@ -210,15 +210,15 @@ void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs)
 }
 
 /// One quantity of the contact pairs over the sizes.
-struct Quantity {
+struct PlottedQuantity {
   const char* name;
   double RunFigures::Pair::*value;
   DisplayUnit (*unit)(double largest);
 };
 constexpr std::size_t num_quantities = 3, max_curves = 8;
-const Quantity quantities[num_quantities] = {{"force", &RunFigures::Pair::force, force_unit},
-                                             {"largest pressure", &RunFigures::Pair::max_pressure, stress_unit},
-                                             {"contact area", &RunFigures::Pair::area, area_unit}};
+const PlottedQuantity quantities[num_quantities] = {{"force", &RunFigures::Pair::force, force_unit},
+                                                    {"largest pressure", &RunFigures::Pair::max_pressure, stress_unit},
+                                                    {"contact area", &RunFigures::Pair::area, area_unit}};
 
 /// Pair of one variant, from left to right.
 struct FigureCurve {

@@ -21,7 +21,7 @@ using Lines = std::vector<std::string>;
 constexpr int screen_width = 80;
 constexpr std::size_t screen_lines = 24;
 /// A text longer than this many lines ends in three dots.
-constexpr std::size_t longest_text = 3;
+constexpr std::size_t max_text_lines = 3;
 
 /// Limits of lists and texts that can be long.
 struct Allowance {
@@ -38,7 +38,7 @@ Lines shortened(Lines lines, std::size_t longest) {
   return lines;
 }
 
-Lines paragraph(const std::string& label, const std::string& text, std::size_t longest = longest_text) {
+Lines paragraph(const std::string& label, const std::string& text, std::size_t longest = max_text_lines) {
   return shortened(wrapped(text, label, screen_width - 4), longest);
 }
 
@@ -47,7 +47,7 @@ std::string in_unit(double value, const DisplayUnit& unit, int digits) {
 }
 
 /// "0.41 %"; estimates below rounding are zero.
-std::string percent(double fraction) { return percent_number(fraction < 1e-9 ? 0.0 : fraction) + " %"; }
+std::string percent_text(double fraction) { return percent_number(fraction < 1e-9 ? 0.0 : fraction) + " %"; }
 
 Lines pair_table(const Results& results, std::size_t rows) {
   Lines lines{fmt::format("  {:<15} {:>11} {:>7} {:>12} {:>7} {:>8} {:>12}", "contact pair", "force", "error",
@@ -59,7 +59,7 @@ Lines pair_table(const Results& results, std::size_t rows) {
     const bool coarse =
         k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
     const auto error = [&](const std::optional<double>& estimate) {
-      return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent(*estimate) : "-";
+      return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent_text(*estimate) : "-";
     };
     lines.push_back(fmt::format("  {:<15} {:>11} {:>7} {:>12} {:>7} {:>8} {:>12}", shortened_name(pair.name, 15),
                                 in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
@@ -98,7 +98,7 @@ Lines solve_table(const AccuracyFigures& accuracy, std::size_t rows) {
   Lines lines{fmt::format("  {:<6} {:>13} {:>9} {:>12} {:>10} {:>10} {:>10}", "solve", "unknowns", "time", "cells from",
                           "pressure", "force", "stress") +
               (with_shear ? fmt::format(" {:>10}", "shear") : "")};
-  const auto error = [](const std::optional<double>& e) { return e ? percent(*e) : "-"; };
+  const auto error = [](const std::optional<double>& e) { return e ? percent_text(*e) : "-"; };
   for (std::size_t k = first; k < count; ++k) {
     const SolveFigures& solve = accuracy.solves[k];
     lines.push_back(fmt::format("  {:<6} {:>13} {:>7.1f} s {:>12} {:>10} {:>10} {:>10}", k + 1, grouped(solve.unknowns),
@@ -170,7 +170,7 @@ Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
     if (!pair.friction || ++shown > rows) continue;
     const FrictionFigures& friction = *pair.friction;
     const auto& torque = friction.torque;
-    const auto error = [](const std::optional<double>& e) { return e ? percent(*e) : "-"; };
+    const auto error = [](const std::optional<double>& e) { return e ? percent_text(*e) : "-"; };
     const auto add = [&](const std::string& name, double newton, double newton_metres) {
       lines.push_back(fmt::format("  {:<15} {:>5} {:>11} {:>7} {:>12} {:>7} {:>13}", name,
                                   short_number(friction.coefficient, 3), in_unit(newton, force_unit(newton), 5),
@@ -180,9 +180,9 @@ Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
     add(shortened_name(pair.name, 15), friction.capacity, torque ? torque->capacity : 0);
     if (pair.zone.sectors > 1) add("  in all", friction.whole, torque ? torque->whole : 0);
     if (const std::string verdict = verdict_on(friction); !verdict.empty())
-      append(lines, paragraph("    ", friction.shear_error
-                                          ? fmt::format("{}; shear within {}", verdict, percent(*friction.shear_error))
-                                          : verdict));
+      append(lines, paragraph("    ", friction.shear_error ? fmt::format("{}; shear within {}", verdict,
+                                                                         percent_text(*friction.shear_error))
+                                                           : verdict));
     if (with_axes)
       append(lines, paragraph("    torque: ",
                               torque ? fmt::format("about ({}) through {}, {}", components_text(torque->axis.direction),
@@ -262,8 +262,8 @@ std::string recovery_text(const Results& results) {
 
 std::string error_text(const Results& results) {
   std::string text =
-      fmt::format("stress {} of the energy norm, displacement {}", percent(results.estimated_error_relative),
-                  percent(results.displacement_error_estimate));
+      fmt::format("stress {} of the energy norm, displacement {}", percent_text(results.estimated_error_relative),
+                  percent_text(results.displacement_error_estimate));
   if (results.has_effectivity) text += fmt::format(" (effectivity {:.3f})", results.effectivity);
   return text;
 }
@@ -273,9 +273,9 @@ std::string reference_text(const Results& results) {
   std::string text = name_of_pressure(results);
   for (std::size_t k = 0; k < results.pressure_errors.size(); ++k)
     text += fmt::format("{} {} {}", k ? "," : "", results.pressure_errors[k].zone,
-                        percent(results.pressure_errors[k].sprc));
+                        percent_text(results.pressure_errors[k].sprc));
   const ZoneError& whole = results.pressure_errors.front();
-  return text + fmt::format("; SPR {} {}, raw {}", whole.zone, percent(whole.spr), percent(whole.raw));
+  return text + fmt::format("; SPR {} {}, raw {}", whole.zone, percent_text(whole.spr), percent_text(whole.raw));
 }
 
 /// Time of the phases last: that part is cut where the screen is full.

@@ -12,7 +12,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr timespec patience{5, 0};  ///< between asking the child to end and ending it
+constexpr timespec time_to_end{5, 0};  ///< between asking the child to end and ending it
 
 /// The rest of a forked child: becomes the program, or writes the error number to the pipe. Async-signal-safe calls
 /// only.
@@ -64,7 +64,7 @@ int ChildRunner::wait(pid_t child) {
     const pid_t ended = waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
     if (ended < 0 && errno != EINTR) return 0x7f00;  // cannot happen: exit code 127
-    const int signal = asked ? sigtimedwait(&waited_for_, nullptr, &patience) : sigwaitinfo(&waited_for_, nullptr);
+    const int signal = asked ? sigtimedwait(&waited_for_, nullptr, &time_to_end) : sigwaitinfo(&waited_for_, nullptr);
     if (signal == SIGCHLD || (signal < 0 && errno == EINTR)) continue;
     if (signal > 0) stop_signal_ = signal;
     kill(child, asked ? SIGKILL : SIGTERM);

@@ -21,7 +21,7 @@ constexpr int signals[] = {SIGINT, SIGTERM, SIGHUP};
 /// Recursive: a clean-up may be made within an uninterrupted step.
 std::recursive_mutex mutex;
 std::list<std::function<void()>> actions;
-std::string note;
+std::string interruption_note;
 int pipe_ends[2] = {-1, -1};
 volatile std::sig_atomic_t asked = 0;
 
@@ -46,7 +46,7 @@ void watch() {
   for (auto action = actions.rbegin(); action != actions.rend(); ++action) (*action)();
   if (is_first_rank())
     std::fprintf(stderr, "cgcontact: stopped by SIG%s%s\n", sigabbrev_np(signal),
-                 note.empty() ? "" : (": " + note).c_str());
+                 interruption_note.empty() ? "" : (": " + interruption_note).c_str());
   _exit(128 + signal);
 }
 
@@ -95,7 +95,7 @@ void uninterrupted(const std::function<void()>& step) {
 
 void set_interruption_note(const std::string& text) {
   const std::lock_guard lock(mutex);
-  note = text;
+  interruption_note = text;
 }
 
 }  // namespace cgcontact

@@ -11,16 +11,11 @@
 #include <filesystem>
 
 #include "core/base/errors.hpp"
+#include "core/base/text.hpp"
 
 namespace cgcontact {
 
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 [[noreturn]] void refuse(const std::string& value, const std::string& problem, const std::string& allowed) {
   throw InputError(fmt::format("\"{}\" {} (allowed: {})", value, problem, allowed));

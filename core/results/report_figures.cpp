@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/errors.hpp"
+#include "core/base/json.hpp"
 
 namespace cgcontact {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 RunFigures figures_of(const Json& json) {
   RunFigures figures;

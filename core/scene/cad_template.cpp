@@ -10,6 +10,7 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/rounding.hpp"
+#include "core/base/text.hpp"
 #include "core/bodies/cad_body.hpp"
 #include "core/scene/scene_mesh.hpp"
 #include "core/scene/units.hpp"
@@ -20,15 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int default_cells = 20;    // along the longest side of a solid
 constexpr double near_share = 0.01;  // of the smaller solid's longest side: faces this near to each other may touch
 constexpr double max_facing_cosine = -0.5;  // cosine between the normals of faces that face each other
-constexpr double min_share = 1e-3;     // of the smaller face: what lies less near than this touches along an edge only
-constexpr double cells_through = 3;    // the thinnest side of a solid, if that does not take too many cells
-constexpr double max_cells = 60000;    // of a solid
-constexpr std::size_t max_lines = 24;  // of faces of a solid
-constexpr std::size_t longest_word = 80;  // of a name of a scene, which may be a little longer
-constexpr double no_gap = 1e-9;           // m: less is rounding
+constexpr double min_share = 1e-3;   // of the smaller face: what lies less near than this touches along an edge only
+constexpr double cells_through = 3;  // the thinnest side of a solid, if that does not take too many cells
+constexpr double max_cells_of_solid = 60000;
+constexpr std::size_t max_lines = 24;      // of faces of a solid
+constexpr std::size_t longest_word = 80;   // of a name of a scene, which may be a little longer
+constexpr double overlap_rounding = 1e-9;  // m: less is rounding
 
 std::string word(const std::string& text) {
   std::string result;
@@ -36,11 +36,6 @@ std::string word(const std::string& text) {
     result += c < 0x80 && (std::isalnum(c) || c == '_' || c == '-') ? static_cast<char>(c) : '_';
   if (result.empty() || std::isdigit(static_cast<unsigned char>(result[0]))) result = "part_" + result;
   return result.substr(0, longest_word);
-}
-
-double two_digits(double value) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
-  return std::round(value / unit) * unit;
 }
 
 /// Faces of two solids that face each other within a distance.
@@ -94,7 +89,7 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
 }
 
 /// Formats a vector; components that are rounding beside `size` are zero.
-std::string vector(const Vec3& v, double size) {
+std::string comment_vector(const Vec3& v, double size) {
   const Vec3 clean = without_rounding(v, size);
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", clean[0], clean[1], clean[2]);
 }
@@ -112,9 +107,9 @@ std::string face_lines(const CadModel& model, double scale) {
     const CadFace& face = model.faces()[order[k]];
     text += fmt::format("#   face{:<4} {:8.4g} m^2  {}", order[k] + 1, face.area * scale * scale,
                         face.kind == "other" ? "free-form" : face.kind);
-    if (face.kind == "plane") text += ", normal " + vector(face.axis, 1);
+    if (face.kind == "plane") text += ", normal " + comment_vector(face.axis, 1);
     if (const std::string sizes = cad_size_text(face, scale, "m"); !sizes.empty()) text += ", " + sizes;
-    text += ", at " + vector(scale * face.middle, scale * size);
+    text += ", at " + comment_vector(scale * face.middle, scale * size);
     if (!face.name.empty()) text += fmt::format(", called \"{}\"", face.name);
     text += "\n";
   }
@@ -147,7 +142,7 @@ CadTemplate::CadTemplate(const InitOptions& options, const std::string& source)
 }
 
 void CadTemplate::add_parts() {
-  const int cells = options_.cells.value_or(default_cells);
+  const int cells = options_.cells.value_or(default_init_cells);
   std::set<std::string> seen;
   for (const CadSolid& solid : solids_) {
     std::string name = word(solid.name);
@@ -156,7 +151,7 @@ void CadTemplate::add_parts() {
     const Vec3 extent = scale_ * (high - low);
     const double volume = solid.model.volume() * scale_ * scale_ * scale_;
     const double h = two_digits(std::max(std::min(extent.maxCoeff() / cells, extent.minCoeff() / cells_through),
-                                         std::cbrt(volume / (max_cells * std::pow(cells / 20.0, 3)))));
+                                         std::cbrt(volume / (max_cells_of_solid * std::pow(cells / 20.0, 3)))));
     std::vector<std::vector<std::string>> names(solid.model.faces().size());
     for (std::size_t f = 0; f < names.size(); ++f) names[f] = {fmt::format("face{}", f + 1)};
     const Solid body(std::make_shared<CadBody>(solid.model.named(names), scale_, h));
@@ -176,7 +171,7 @@ void CadTemplate::add_contacts() {
       };
       declare(parts_[a], parts_[b], touching.first);
       declare(parts_[b], parts_[a], touching.second);
-      const double gap = std::abs(touching.nearest) < no_gap ? 0 : touching.nearest;
+      const double gap = std::abs(touching.nearest) < overlap_rounding ? 0 : touching.nearest;
       contacts_ += fmt::format(
           "\n[[contact]]                        # TODO may they touch? {} {:.3g} m\n"
           "faces = [\"{}.to_{}\", \"{}.to_{}\"]\n",

@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
 #include "core/base/errors.hpp"
 #include "core/base/hdf_file.hpp"
+#include "core/base/json.hpp"
 #include "core/base/suggest.hpp"
 #include "core/base/text.hpp"
 #include "core/triangles/triangle_surface.hpp"
@@ -23,7 +23,6 @@ namespace cgcontact {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr int box_corners = 8, tetrahedron_corners = 4;
 /// Which end of the axes of a box a corner lies at, and the corners that its edges from the first one lead to.

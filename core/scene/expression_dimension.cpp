@@ -12,12 +12,12 @@
 namespace cgcontact {
 namespace {
 
-using Found = std::optional<Dimension>;
+using FoundDimension = std::optional<Dimension>;
 
-bool is_pure(const Found& found) { return !found || found->same_but_angle({}); }
+bool is_pure(const FoundDimension& found) { return !found || found->same_but_angle({}); }
 
 /// Product of powers of two dimensions; zero times anything is zero.
-Found product(const Found& a, const Found& b, double power) {
+FoundDimension product(const FoundDimension& a, const FoundDimension& b, double power) {
   if (!a || !b) return std::nullopt;
   Dimension result = *a;
   for (int base = 0; base < Dimension::num_bases; ++base) result.exponents[base] += power * b->exponents[base];
@@ -25,7 +25,7 @@ Found product(const Found& a, const Found& b, double power) {
 }
 
 /// Finds the common dimension of operands. `sign`: what stands between them.
-Found common(const Found& a, const Found& b, const std::string& sign) {
+FoundDimension common(const FoundDimension& a, const FoundDimension& b, const std::string& sign) {
   if (!a) return b;
   if (!b) return a;
   if (!a->same_but_angle(*b)) throw MixedDimensions(fmt::format("{} {} {}", name_of(*a), sign, name_of(*b)));
@@ -40,25 +40,25 @@ class DimensionParser {
  public:
   DimensionParser(const std::string& text, const NamesAndPowers& names) : text_(text), names_(names) {}
 
-  Found whole() { return condition(); }
+  FoundDimension whole() { return condition(); }
 
   std::vector<std::pair<std::string, std::string>> comparisons;  ///< by size, found so far
 
  private:
-  Found condition() {
-    const Found chosen_by = either();
+  FoundDimension condition() {
+    const FoundDimension chosen_by = either();
     if (!take("?")) return chosen_by;
     require_truth(chosen_by, "?");
-    const Found first = condition();
+    const FoundDimension first = condition();
     take(":");
     return common(first, condition(), ":");
   }
 
-  Found either() { return truths("||", &DimensionParser::both); }
-  Found both() { return truths("&&", &DimensionParser::comparison); }
+  FoundDimension either() { return truths("||", &DimensionParser::both); }
+  FoundDimension both() { return truths("&&", &DimensionParser::comparison); }
 
-  Found truths(const char* sign, Found (DimensionParser::*operand)()) {
-    Found left = (this->*operand)();
+  FoundDimension truths(const char* sign, FoundDimension (DimensionParser::*operand)()) {
+    FoundDimension left = (this->*operand)();
     while (take(sign)) {
       require_truth(left, sign);
       require_truth((this->*operand)(), sign);
@@ -67,9 +67,9 @@ class DimensionParser {
     return left;
   }
 
-  Found comparison() {
+  FoundDimension comparison() {
     const std::size_t begin = at_;
-    Found left = sum();
+    FoundDimension left = sum();
     std::size_t end = at_;
     for (std::string sign; !(sign = take_one_of({"<=", ">=", "==", "!=", "<", ">"})).empty(); left = Dimension{}) {
       const std::size_t right = at_;
@@ -81,26 +81,26 @@ class DimensionParser {
     return left;
   }
 
-  Found sum() {
-    Found left = quotient();
+  FoundDimension sum() {
+    FoundDimension left = quotient();
     for (std::string sign; !(sign = take_one_of({"+", "-"})).empty();) left = common(left, quotient(), sign);
     return left;
   }
 
-  Found quotient() {
-    Found left = power();
+  FoundDimension quotient() {
+    FoundDimension left = power();
     for (std::string sign; !(sign = take_one_of({"*", "/"})).empty();)
       left = product(left, power(), sign == "*" ? 1 : -1);
     return left;
   }
 
-  Found power() {
+  FoundDimension power() {
     while (!take_one_of({"+", "-"}).empty()) {
     }
-    const Found base = primary();
+    const FoundDimension base = primary();
     if (!take("^")) return base;
     const std::size_t begin = at_;
-    const Found exponent = power();
+    const FoundDimension exponent = power();
     if (!is_pure(exponent)) throw MixedDimensions("an exponent that is " + name_of(*exponent));
     if (!base) return base;
     if (const std::optional<double> value = names_.value_of(text_.substr(begin, at_ - begin)))
@@ -109,9 +109,9 @@ class DimensionParser {
     return Dimension{};
   }
 
-  Found primary() {
+  FoundDimension primary() {
     if (take("(")) {
-      const Found inside = condition();
+      const FoundDimension inside = condition();
       take(")");
       return inside;
     }
@@ -122,17 +122,17 @@ class DimensionParser {
     return take("(") ? called(name) : names_.dimension_of(name);
   }
 
-  Found number() {
+  FoundDimension number() {
     char* end = nullptr;
     const double value = std::strtod(text_.c_str() + at_, &end);
     const std::size_t length = end - (text_.c_str() + at_);
     at_ += std::max<std::size_t>(length, 1);
-    return value == 0 ? Found() : Dimension{};
+    return value == 0 ? FoundDimension() : Dimension{};
   }
 
-  Found called(const std::string& function) {
+  FoundDimension called(const std::string& function) {
     const std::size_t begin = at_;
-    std::vector<Found> arguments;
+    std::vector<FoundDimension> arguments;
     do {
       arguments.push_back(condition());
     } while (take(","));
@@ -141,7 +141,7 @@ class DimensionParser {
     const auto is = [&](const std::vector<std::string>& names) {
       return std::find(names.begin(), names.end(), function) != names.end();
     };
-    Found all = arguments[0];
+    FoundDimension all = arguments[0];
     if (is({"min", "max", "sum", "avg", "abs", "atan2"})) {
       for (std::size_t k = 1; k < arguments.size(); ++k) all = common(all, arguments[k], "beside");
       return function == "atan2" ? Dimension{} : all;
@@ -153,7 +153,7 @@ class DimensionParser {
     return Dimension{};
   }
 
-  void require_truth(const Found& found, const char* sign) const {
+  void require_truth(const FoundDimension& found, const char* sign) const {
     if (!is_pure(found))
       throw MixedDimensions(fmt::format("{} in place of a condition beside {}", name_of(*found), sign));
   }

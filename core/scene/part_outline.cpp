@@ -36,7 +36,7 @@ double area(const std::vector<Vec3>& polygon) {
   return sum.norm();
 }
 
-struct Region {
+struct EndRegion {
   double area = 0;
   Vec3 min = Vec3::Constant(1e300), max = Vec3::Constant(-1e300);
   void add(const std::vector<Vec3>& polygon) {
@@ -50,7 +50,7 @@ struct Region {
 
 /// sign: 1 for the top, -1 for the bottom.
 PartEnd find_end(const TriangleSurface& surface, double sign, double extreme, double height) {
-  Region cap, plane;
+  EndRegion cap, plane;
   double outward = 0;
   for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t) {
     const double cosine = sign * surface.normal(t)[2];
@@ -62,7 +62,7 @@ PartEnd find_end(const TriangleSurface& surface, double sign, double extreme, do
   }
   PartEnd end;
   end.flat = plane.area > cap.area / 2;
-  const Region& region = end.flat ? plane : cap;
+  const EndRegion& region = end.flat ? plane : cap;
   end.min = region.min;
   end.max = region.max;
   end.faces_outwards = outward > 0;

@@ -25,7 +25,7 @@ namespace cgcontact {
 namespace {
 
 /// A scene is text that somebody writes; toml++ calls itself for every name in a key and every level of a value.
-constexpr std::uintmax_t max_file_bytes = 16 << 20;
+constexpr std::uintmax_t max_scene_bytes = 16 << 20;
 constexpr int max_key_depth = 20;
 
 /// Throws for a geometry file that a scene can name, with what makes a scene of it.
@@ -49,10 +49,10 @@ std::string read_file(const std::string& file) {
                      error ? "the scene file cannot be read: " + error.message() : "there is no such scene file");
   if (!std::filesystem::is_regular_file(file, error))
     throw InputError(location, "", "is not a file but a folder or device");
-  if (std::filesystem::file_size(file, error) > max_file_bytes)
+  if (std::filesystem::file_size(file, error) > max_scene_bytes)
     throw InputError(location, "", "is too large for a scene", "16 MB");
   std::ifstream stream(file, std::ios::binary);
-  std::string text(max_file_bytes + 1, '\0');
+  std::string text(max_scene_bytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad())
     throw InputError(location, "", std::string("the scene file cannot be read: ") + std::strerror(errno));

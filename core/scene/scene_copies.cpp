@@ -19,7 +19,7 @@ int number_of_copies(const TomlCursor& copies) {
 }
 
 /// The largest number of copies below; checks all of them.
-int max_number(const TomlCursor& node, bool in_array, bool copied) {
+int max_copies_within(const TomlCursor& node, bool in_array, bool copied) {
   int largest = 0;
   const auto copies = in_array ? node.find(copies_key) : std::nullopt;
   if (copies && copied) copies->fail("copies cannot be nested", "copies on one of the two levels");
@@ -27,8 +27,8 @@ int max_number(const TomlCursor& node, bool in_array, bool copied) {
   copied |= copies.has_value();
   if (node.is_array())
     for (const TomlCursor& child : node.elements("values"))
-      largest = std::max(largest, max_number(child, true, copied));
-  for (const auto& [key, child] : node.entries()) largest = std::max(largest, max_number(child, false, copied));
+      largest = std::max(largest, max_copies_within(child, true, copied));
+  for (const auto& [key, child] : node.entries()) largest = std::max(largest, max_copies_within(child, false, copied));
   return largest;
 }
 
@@ -79,7 +79,7 @@ void make_copies(const std::vector<toml::node*>& nodes, const SceneText& text) {
 }  // namespace
 
 void make_copies(toml::table& document, const SceneText& text, const std::function<toml::table()>& again) {
-  const int largest = max_number(TomlCursor(document, "", text), false, false);
+  const int largest = max_copies_within(TomlCursor(document, "", text), false, false);
   if (largest == 0) return;
   std::vector<toml::table> doubles;
   for (int k = 1; k < largest; ++k) doubles.push_back(again());

@@ -7,6 +7,7 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/suggest.hpp"
+#include "core/base/text.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/scene/toml_cursor.hpp"
 
@@ -14,7 +15,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t max_steps = 20;
+constexpr std::size_t max_key_parts = 20;
 
 /// One --set option.
 struct Override {
@@ -26,12 +27,6 @@ struct Override {
     throw InputError(SourceLocation{source, 0, key}, "", problem, allowed);
   }
 };
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 /// Returns whether every bracket is in a "[...]" that ends the key or is followed by a dot or another one.
 bool has_whole_brackets(const std::string& key) {
@@ -62,7 +57,7 @@ Override parse_override(const std::string& text) {
     if (result.steps.back().empty()) result.fail("", "the key has an empty part", "dotted.key=value");
     begin = end + 1;
   }
-  if (result.steps.size() > max_steps) result.fail("", "the key has too many parts", "keys of a scene");
+  if (result.steps.size() > max_key_parts) result.fail("", "the key has too many parts", "keys of a scene");
   return result;
 }
 

@@ -14,9 +14,9 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double right_angle = 1e-9;  // cosine of the angle between the plane's x axis and its normal
-constexpr double on_axis = 1e-12;     // relative to the profile: an edge there has no face
-constexpr double arc_on_axis = 1e-9;  // relative to the profile: the centre of an arc that belongs to a sphere
+constexpr double max_axis_cosine = 1e-9;  // cosine of the angle between the plane's x axis and its normal
+constexpr double on_axis = 1e-12;         // relative to the profile: an edge there has no face
+constexpr double arc_on_axis = 1e-9;      // relative to the profile: the centre of an arc that belongs to a sphere
 constexpr std::size_t max_edges = 200;
 const char* const profile_help = "[[a, b], [a, b], {to = [a, b], through = [a, b], name = ..}, ...], m";
 
@@ -133,7 +133,7 @@ ProfileShape read_extrude(const TomlCursor& node, const std::string& name) {
     if (edge.face == "bottom" || edge.face == "top")
       profile.fail("\"" + edge.face + "\" is the name of an end", "another name for the edge");
   const Vec3 normal = direction_of(node, "normal", Vec3::UnitZ()), x = direction_of(node, "x", Vec3::UnitX());
-  if (std::abs(x.dot(normal)) > right_angle)
+  if (std::abs(x.dot(normal)) > max_axis_cosine)
     node.fail("x is not at right angles to normal", "x in the plane of the profile");
   const double height = node.at("height", "> 0 m").number(Range::positive("m"));
   ProfileShape shape;

@@ -17,8 +17,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double max_cells = 2e9;       // of the box around a body: beyond, the unit is wrong
-constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
+constexpr double max_cells_of_box = 2e9;  // of the box around a body: beyond, the unit is wrong
+constexpr double farthest_cells = 1e8;    // a body from the origin: rounding is then 1e-8 of a cell
 constexpr std::size_t max_parameters = 1000;
 constexpr double axis_rounding = 1e-12;  // rounding of a rotation
 constexpr double end_cone = 45;  // degrees; the normals of a body in plane strain lie along the axis or across it
@@ -64,8 +64,9 @@ double read_cell_size(const TomlCursor& body, const Shape& shape) {
     node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
                           extent.maxCoeff()));
   const std::string lengths = fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent[0], extent[1], extent[2]);
-  if ((extent / size + Vec3::Ones()).prod() > max_cells) {
-    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(max_cells);
+  if ((extent / size + Vec3::Ones()).prod() > max_cells_of_box) {
+    const double least =
+        std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(max_cells_of_box);
     node.fail("makes more than 2e9 cells of a body of " + lengths, fmt::format("about {:.2g} m or more", least));
   }
   if (size > extent.maxCoeff())

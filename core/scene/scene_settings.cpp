@@ -59,7 +59,7 @@ void read_degree(const TomlCursor& node, RecoveryOptions& options) {
   options.degree.interior = options.degree.boundary = options.degree.contact = node.integer(1, 2);
 }
 
-constexpr std::size_t max_steps = 1000;
+constexpr std::size_t max_load_steps = 1000;
 
 /// Factors of one kind in all steps; the last one is 1.
 std::vector<double> read_factors(const TomlCursor& node) {
@@ -68,8 +68,8 @@ std::vector<double> read_factors(const TomlCursor& node) {
   std::vector<double> factors;
   for (const TomlCursor& element : node.elements("factors, one for each step"))
     factors.push_back(element.number(range));
-  if (factors.empty() || factors.size() > max_steps)
-    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", max_steps));
+  if (factors.empty() || factors.size() > max_load_steps)
+    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", max_load_steps));
   if (factors.back() != 1) node.fail("does not end with 1", "a last step that is the scene itself: [.., 1]");
   return factors;
 }
@@ -143,8 +143,8 @@ std::vector<double> read_own_steps(const TomlCursor& node, std::vector<StepSpec>
   std::vector<double> factors;
   for (const TomlCursor& element : node.elements("factors, one for each step"))
     factors.push_back(element.number(range));
-  if (factors.empty() || factors.size() > max_steps)
-    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", max_steps));
+  if (factors.empty() || factors.size() > max_load_steps)
+    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", max_load_steps));
   if (!steps.empty() && steps.size() != factors.size())
     node.fail(fmt::format("has {} factors, the scene {} steps", factors.size(), steps.size()),
               "one factor for each step");

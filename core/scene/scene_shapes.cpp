@@ -28,7 +28,7 @@ const std::vector<std::string> kinds = {"box",     "sphere",       "cylinder",  
                                         "union",   "intersection", "difference"};
 const std::vector<std::string> placement_keys = {"name", "translate", "rotate"};
 
-std::string as_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
+std::string corner_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
 
 Solid read_box(const TomlCursor& node, const std::string& name) {
   node.expect_keys({"min", "max", "center", "size"});
@@ -38,7 +38,7 @@ Solid read_box(const TomlCursor& node, const std::string& name) {
   if (by_corners) {
     const Vec3 min = node.at("min", "[x, y, z], m").vector("m"), max = node.at("max", "[x, y, z], m").vector("m");
     if (!(min.array() < max.array()).all())
-      node.fail("is empty: min must be less than max, here they are " + as_text(min) + " and " + as_text(max),
+      node.fail("is empty: min must be less than max, here they are " + corner_text(min) + " and " + corner_text(max),
                 "min < max in x, y and z");
     return Solid::box(min, max, name);
   }

@@ -16,6 +16,7 @@
 #include "core/base/errors.hpp"
 #include "core/base/new_file.hpp"
 #include "core/base/suggest.hpp"
+#include "core/base/text.hpp"
 #include "core/cad/cad_model.hpp"
 #include "core/scene/cad_template.hpp"
 #include "core/scene/part_outline.hpp"
@@ -172,19 +173,14 @@ unit = "{unit}"
 )toml";
 
 /// Multiples of a power of ten that is small against `size`.
-std::string vector(const Vec3& v, double size) {
+std::string rounded_vector(const Vec3& v, double size) {
   const double digits = std::ceil(4 - std::log10(size));
   const auto rounded = [&](double x) { return std::round(x * std::pow(10, digits)) / std::pow(10, digits) + 0.0; };
   return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", rounded(v[0]), rounded(v[1]), rounded(v[2]));
 }
 
-double two_digits(double value) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
-  return std::round(value / unit) * unit;
-}
-
 /// Position and motion of the plate; cells of part and plate, zero: [accuracy] chooses them.
-struct Layout {
+struct PlateLayout {
   double cell_size = 0, plate_cell = 0, push = 0;
   Vec3 plate_min, plate_max;
   bool is_narrow = false;  ///< the plate would have to come down too far for a contact zone of some cells
@@ -208,7 +204,7 @@ double cell_size_for(const PartOutline& part, double cells) {
 }
 
 /// Positions the plate over the top of the part; `least`: half of its width, thickness (m).
-void position_plate(const PartOutline& part, double min_half, double min_thickness, Layout& layout) {
+void position_plate(const PartOutline& part, double min_half, double min_thickness, PlateLayout& layout) {
   const PartEnd& top = part.top;
   const Vec3 extent = part.max - part.min, center = (top.min + top.max) / 2;
   const double narrowest = std::min(extent[0], extent[1]);
@@ -219,9 +215,9 @@ void position_plate(const PartOutline& part, double min_half, double min_thickne
   layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
 }
 
-Layout lay_out_cells(const PartOutline& part, double cells) {
+PlateLayout lay_out_cells(const PartOutline& part, double cells) {
   constexpr double plate_cells_through = 4, max_plate_cells_across = 60;
-  Layout layout;
+  PlateLayout layout;
   const double h = layout.cell_size = cell_size_for(part, cells);
   position_plate(part, 3 * h, 0, layout);
   const Vec3 size = layout.plate_max - layout.plate_min;
@@ -239,14 +235,14 @@ Layout lay_out_cells(const PartOutline& part, double cells) {
 
 /// Lays out a scene with [accuracy]: nothing depends on cells. The push is the largest of which the contact zone is
 /// rather smaller than the part and its strain moderate. is_narrow: a tip or edge, which has no such push.
-Layout lay_out(const PartOutline& part) {
+PlateLayout lay_out(const PartOutline& part) {
   // Half widths of the cut over the part's shortest side; ways down over half widths: of a ball 0.15 is a contact
   // radius of a tenth of its own and a pressure of E/30. Facets are steep at once, so that 0.15 does not count below
   // `least`.
   constexpr double least = 0.04, most = 0.1, steep = 0.15, too_steep = 0.3;
   constexpr double min_fraction = 1e-4;        // of the most that the plate may come down
   constexpr double long_compactness = 0.0125;  // area over the rim squared: some 17 times as long as wide
-  Layout layout;
+  PlateLayout layout;
   position_plate(part, 0, 0, layout);
   const Vec3 extent = part.max - part.min;
   const double side = extent.minCoeff(), max_push = max_strain * extent[2];
@@ -268,8 +264,8 @@ std::string end_selector(const PartOutline& part, const PartEnd& end, double sig
   const Vec3 extent = part.max - part.min;
   Vec3 min = part.min - 0.01 * extent, max = part.max + 0.01 * extent;
   (sign > 0 ? min : max)[2] = sign > 0 ? part.max[2] - 0.1 * extent[2] : part.min[2] + 0.1 * extent[2];
-  std::string text =
-      fmt::format("box = {{min = {}, max = {}}}", vector(min, extent.maxCoeff()), vector(max, extent.maxCoeff()));
+  std::string text = fmt::format("box = {{min = {}, max = {}}}", rounded_vector(min, extent.maxCoeff()),
+                                 rounded_vector(max, extent.maxCoeff()));
   if (end.faces_outwards) text += fmt::format(", normal = {{axis = [0, 0, {}], angle = 30}}", sign);
   return text;
 }
@@ -283,9 +279,9 @@ std::string face_lines(const PartOutline& part) {
     const std::string shape = face.normal.isZero()
                                   ? "closed"
                                   : fmt::format("{}, normal{} {}", face.flat ? "flat" : "curved",
-                                                face.flat ? "" : " on average", vector(face.normal, 1));
+                                                face.flat ? "" : " on average", rounded_vector(face.normal, 1));
     text += fmt::format("#  {{name = \"face{}\", smooth = {{seed = {}, angle = 30}}}},   # {:.4g} m^2, {}\n", k + 1,
-                        vector(face.seed, size), face.area, shape);
+                        rounded_vector(face.seed, size), face.area, shape);
   }
   if (part.regions.size() > max_lines)
     text += fmt::format("#  ... and {} smaller ones\n", part.regions.size() - max_lines);
@@ -303,15 +299,13 @@ std::string rotation_line(const Mat3& turn) {
 }
 
 constexpr const char* runs = "It runs as it is:";
-/// Along the longest side, where [accuracy] cannot be asked for.
-constexpr double default_cells = 20;
 
 /// Lines of a scene on its accuracy, and the setting that makes it finer.
 struct AccuracyLines {
   std::string accuracy, h, part_cells, plate_cells, finer;
 };
 
-AccuracyLines lines_for_cells(const Layout& layout, const PartOutline& part) {
+AccuracyLines lines_for_cells(const PlateLayout& layout, const PartOutline& part) {
   AccuracyLines lines;
   const double longest = (part.max - part.min).maxCoeff();
   lines.h = fmt::format(
@@ -366,7 +360,7 @@ Part part_of_surface(const InitOptions& options, const std::string& scene) {
 std::string scene_of_part(const Part& given, std::optional<double> cells, const std::string& file,
                           const std::string& state, std::string& told) {
   const PartOutline& part = given.outline;
-  const Layout layout = cells ? lay_out_cells(part, *cells) : lay_out(part);
+  const PlateLayout layout = cells ? lay_out_cells(part, *cells) : lay_out(part);
   const AccuracyLines lines = cells ? lines_for_cells(layout, part) : lines_for_accuracy(part);
   const Vec3 extent = part.max - part.min;
   told = part.note + "\n";
@@ -404,7 +398,7 @@ std::string passing_scene(const Part& given, std::optional<int> asked_cells, con
   const auto fault_of = [&](const std::string& text) { return find_fault ? find_fault(text, file) : ""; };
   std::string first_fault, refused;
   if (!asked_cells) {
-    const Layout layout = lay_out(part);
+    const PlateLayout layout = lay_out(part);
     if (layout.is_long)
       refused = "cells of one size: the contact zone is long, small cells all along it cost too much\n";
     if (!layout.is_long && !layout.is_narrow) {
@@ -414,7 +408,7 @@ std::string passing_scene(const Part& given, std::optional<int> asked_cells, con
       refused = fmt::format("cells of one size: the scene with [accuracy] does not pass check: {}\n", first_fault);
     }
   }
-  const double cells = asked_cells.value_or(default_cells);
+  const double cells = asked_cells.value_or(default_init_cells);
   for (const double factor : {1.0, 0.7, 1.4, 0.5, 2.0}) {
     const std::string text = scene_of_part(given, cells * factor, file, runs, told);
     const std::string fault = fault_of(text);

@@ -18,7 +18,8 @@ struct InitOptions {
   std::optional<int> cells;
 };
 
-constexpr int min_init_cells = 4, max_init_cells = 200;
+/// Cells along the longest side; the default: where [accuracy] cannot be asked for.
+constexpr int min_init_cells = 4, max_init_cells = 200, default_init_cells = 20;
 
 /// Function that finds what keeps a scene (its text, the name of its file) from running; "": nothing.
 using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;

@@ -8,14 +8,14 @@ namespace cgcontact {
 
 namespace {
 
-struct Entry {
+struct PhysicsEntry {
   const char* sentence;
   std::vector<const char*> words;      ///< the whole key
   std::vector<const char*> fragments;  ///< anywhere in it
 };
 
-const std::vector<Entry>& entries() {
-  static const std::vector<Entry> all{
+const std::vector<PhysicsEntry>& entries() {
+  static const std::vector<PhysicsEntry> all{
       {"friction is one of a contact pair: friction of the [[contact]], a number from 0 to 2",
        {"mu", "mus", "muk", "mud", "cof"},
        {"friction", "coulomb", "stickslip"}},
@@ -74,7 +74,7 @@ std::string unknown_physics(const std::string& key) {
     if (c != '_' && c != '-') word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto is_word = [&](const char* other) { return word == other; };
   const auto is_within = [&](const char* fragment) { return word.find(fragment) != std::string::npos; };
-  for (const Entry& entry : entries())
+  for (const PhysicsEntry& entry : entries())
     if (std::any_of(entry.words.begin(), entry.words.end(), is_word) ||
         std::any_of(entry.fragments.begin(), entry.fragments.end(), is_within))
       return entry.sentence;

@@ -27,7 +27,6 @@ using Division = CGAL::Constrained_Delaunay_triangulation_2<Exact, CGAL::Default
 /// From an integer: a winding number farther off is that of a point that rounding has put on the surface.
 constexpr double clear_winding = 0.1;
 constexpr std::size_t max_samples = 5;                   // of a patch
-constexpr int max_passes = 20;                           // in search of needles
 constexpr int num_kinds = WindingNumbers::num_surfaces;  // solids, cavities
 
 /// A triangle and how often each kind of surface passes it: in its own sense minus the other one, the first not less
@@ -424,7 +423,7 @@ TriangleSoup outer_boundary(const TriangleSoup& solids, const TriangleSoup& cavi
 }
 
 void separate_where_touching(TriangleSoup& soup) {
-  for (int pass = 0; pass < max_passes; ++pass) {
+  for (int pass = 0; pass < max_needle_passes; ++pass) {
     cancel(soup);
     separate_fans(soup);
     if (remove_needles(soup) == 0) break;

@@ -5,6 +5,9 @@
 
 namespace cgcontact {
 
+/// Fraction of the size: points of a result nearer than this are one, which rounding of intersections has separated.
+constexpr double rounding_distance = 1e-11;
+
 /// Returns the boundary of the points about which the solids wind (any number of times but none) and the cavities do
 /// not, as a mesh arrangement (Zhou, Grinspun, Zorin, Jacobson, Mesh arrangements for solid geometry, ACM TOG 35,
 /// 2016): all triangles are cut where others cross, touch or cover them; fragments that separate inside and outside

@@ -25,27 +25,12 @@ constexpr double no_height = 1e-12;
 constexpr double near_shell = 1e-9;
 /// Triangles of a shell that are asked whether they are inside another one.
 constexpr std::size_t max_samples = 1000;
-/// Over the surface in search of such triangles; those next to each other need several.
-constexpr int max_passes = 20;
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem, const std::string& allowed) {
   throw InputError(SourceLocation{file, 0, ""}, "", problem, allowed);
 }
 
-std::string as_text(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]); }
-
-int drop_collapsed(TriangleSoup& soup) {
-  std::vector<char> kept(soup.triangles.size(), 1);
-  int gone = 0;
-  for (std::size_t t = 0; t < kept.size(); ++t) {
-    const Triangle& c = soup.triangles[t];
-    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) continue;
-    kept[t] = 0;
-    ++gone;
-  }
-  if (gone > 0) soup.keep(kept);
-  return gone;
-}
+std::string point_text(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]); }
 
 int drop_duplicates(TriangleSoup& soup) {
   // Turned such that the lowest corner comes first: equal triangles of equal orientation become equal.
@@ -122,8 +107,8 @@ namespace {
 
 std::string edge_location(const TriangleSoup& soup, const EdgeUse& use) {
   const Triangle& t = soup.triangles[use.triangle];
-  return fmt::format("from {} to {}, {}", as_text(soup.points[t[use.corner]]),
-                     as_text(soup.points[t[(use.corner + 1) % 3]]), soup.location(use.triangle));
+  return fmt::format("from {} to {}, {}", point_text(soup.points[t[use.corner]]),
+                     point_text(soup.points[t[(use.corner + 1) % 3]]), soup.location(use.triangle));
 }
 
 void check_edges(const TriangleSoup& soup, const std::string& file) {
@@ -166,14 +151,6 @@ std::vector<int> find_shells(const TriangleSoup& soup, int& count) {
     ++count;
   }
   return shell;
-}
-
-double signed_volume(const TriangleSoup& soup) {
-  const Vec3 origin = soup.points[soup.triangles[0][0]];
-  double volume = 0;
-  for (const Triangle& t : soup.triangles)
-    volume += (soup.points[t[0]] - origin).dot((soup.points[t[1]] - origin).cross(soup.points[t[2]] - origin)) / 6;
-  return volume;
 }
 
 void turn(TriangleSoup& soup) {
@@ -225,7 +202,7 @@ void orient(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs
     } else {
       own.points = soup.points;
     }
-    inward.push_back(signed_volume(own) < 0);
+    inward.push_back(own.signed_volume() < 0);
     if (inward.back()) turn(own);
     if (repairs.shells > 1)
       surfaces.emplace_back(own.points, own.triangles, std::vector<int>(own.triangles.size(), 0),
@@ -272,7 +249,7 @@ void check_finite(const TriangleSoup& soup, const std::string& file) {
 
 /// Everything but the merging of points.
 void check_merged(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs) {
-  for (int gone = 1, pass = 0; gone > 0 && pass < max_passes; repairs.zero_area += gone, ++pass)
+  for (int gone = 1, pass = 0; gone > 0 && pass < max_needle_passes; repairs.zero_area += gone, ++pass)
     gone = remove_needles(soup);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     if (edge_of_needle(soup, soup.triangles[t]) >= 0)
@@ -306,11 +283,11 @@ SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file) {
   SurfaceRepairs repairs;
   check_finite(soup, file);
   repairs.merged_points = merge_equal_points(soup);
-  repairs.zero_area = drop_collapsed(soup);
+  repairs.zero_area = soup.drop_collapsed();
   repairs.duplicates = drop_duplicates(soup);
   if (const int merged = merge_near_points(soup); merged > 0) {
     repairs.merged_points += merged;
-    repairs.zero_area += drop_collapsed(soup);
+    repairs.zero_area += soup.drop_collapsed();
   }
   check_merged(soup, file, repairs);
   return repairs;

@@ -31,5 +31,6 @@ SurfaceRepairs check_separated(TriangleSoup& soup, const std::string& file);
 /// Removes triangles whose corners lie on a line: the neighbour across the longest edge is divided at the corner
 /// between. Needles next to each other take several passes. Returns how many went.
 int remove_needles(TriangleSoup& soup);
+constexpr int max_needle_passes = 20;
 
 }  // namespace cgcontact

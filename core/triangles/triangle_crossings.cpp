@@ -17,7 +17,7 @@ constexpr double determinant_error = 1e-15;
 constexpr double coordinate_error = 4e-16;
 
 /// Side of the plane a, b, c on which d lies: -1, 1, or 0 if rounding decides. `error`: of the coordinates.
-int side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double error) {
+int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double error) {
   const Vec3 u = a - d, v = b - d, w = c - d;
   const double p = v[0] * w[1], q = v[1] * w[0], r = w[0] * u[1], s = w[1] * u[0], x = u[0] * v[1], y = u[1] * v[0];
   const double determinant = u[2] * (p - q) + v[2] * (r - s) + w[2] * (x - y);
@@ -107,7 +107,9 @@ class CrossingFinder {
     return true;
   }
 
-  int side_of(int a, int b, int c, int d) const { return side(points_[a], points_[b], points_[c], points_[d], error_); }
+  int side_of(int a, int b, int c, int d) const {
+    return side_of_plane(points_[a], points_[b], points_[c], points_[d], error_);
+  }
   int side_of(int t, int p) const { return side_of(triangles_[t][0], triangles_[t][1], triangles_[t][2], p); }
 
   /// Edges without a corner of the other triangle.

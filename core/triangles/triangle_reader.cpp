@@ -21,8 +21,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t max_triangles = 100'000'000;
-constexpr std::uintmax_t max_file_bytes = 20'000'000'000;
+constexpr std::size_t max_triangles_of_file = 100'000'000;
+constexpr std::uintmax_t max_surface_bytes = 20'000'000'000;
 constexpr std::size_t stl_header = 84, stl_facet = 50;
 
 [[noreturn]] void fail(const std::string& file, int line, const std::string& problem, const std::string& allowed = {}) {
@@ -36,7 +36,7 @@ std::string read_bytes(const std::string& file) {
   if (!std::filesystem::is_regular_file(file, error)) fail(file, 0, "is not a file but a folder or device");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) fail(file, 0, "the file cannot be read: " + error.message());
-  if (size > max_file_bytes) fail(file, 0, fmt::format("has {} bytes", size), "up to 20 GB");
+  if (size > max_surface_bytes) fail(file, 0, fmt::format("has {} bytes", size), "up to 20 GB");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail(file, 0, std::string("the file cannot be read: ") + std::strerror(errno));
   std::string text(size, '\0');
@@ -400,7 +400,7 @@ class PlyReader {
         PlyElement element;
         element.name = reader_.next_word();
         const long long count = reader_.integer("element name count");
-        if (count < 0 || count > static_cast<long long>(3 * max_triangles))
+        if (count < 0 || count > static_cast<long long>(3 * max_triangles_of_file))
           fail(file_, reader_.line(), "cannot have so many elements");
         element.count = static_cast<std::size_t>(count);
         elements_.push_back(element);
@@ -583,7 +583,7 @@ TriangleSoup parse_triangles(const std::string& file, const std::string& bytes) 
                       : extension == ".off" ? read_off(file, bytes)
                                             : PlyReader(file, bytes).read();
   if (soup.triangles.empty()) fail(file, 0, "there is no triangle in the file");
-  if (soup.triangles.size() > max_triangles) fail(file, 0, "has more than 1e8 triangles");
+  if (soup.triangles.size() > max_triangles_of_file) fail(file, 0, "has more than 1e8 triangles");
   return soup;
 }
 

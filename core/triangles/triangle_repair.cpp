@@ -32,24 +32,15 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
 
-/// Fractions of the diagonal: distance of points on open edges that are made one; of corners of the result that
-/// rounding has separated; volume over area below which a shell has no thickness.
-constexpr double merge_distance = 1e-4, one_point = 1e-11, no_thickness = 1e-6;
+/// Fractions of the diagonal: distance of points on open edges that are made one; volume over area below which a shell
+/// has no thickness.
+constexpr double merge_distance = 1e-4, no_thickness = 1e-6;
 constexpr int max_passes = 5;
 constexpr double half_a_pass = 0.5;  // of the shortest edge at a rim: merging closes gaps, not triangles
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem) {
   throw InputError(SourceLocation{file, 0, ""}, "", "repair = true does not help: " + problem,
                    "a closed surface: mend it in the program it is from");
-}
-
-double signed_volume(const TriangleSoup& soup) {
-  double volume = 0;
-  if (soup.points.empty()) return 0;
-  const Vec3 origin = soup.points.front();
-  for (const Triangle& t : soup.triangles)
-    volume += (soup.points[t[0]] - origin).dot((soup.points[t[1]] - origin).cross(soup.points[t[2]] - origin)) / 6;
-  return volume;
 }
 
 double area(const TriangleSoup& soup) {
@@ -69,12 +60,6 @@ void append(const TriangleSoup& added, TriangleSoup& soup) {
   for (const Triangle& t : added.triangles) soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
-void drop_collapsed(TriangleSoup& soup) {
-  std::vector<char> kept;
-  for (const Triangle& t : soup.triangles) kept.push_back(t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-  soup.keep(kept);
-}
-
 /// Points on open edges that nearly coincide become one, but no edge there collapses.
 int merge_rims(TriangleSoup& soup) {
   std::vector<int> rim;
@@ -91,7 +76,7 @@ int merge_rims(TriangleSoup& soup) {
   std::sort(rim.begin(), rim.end());
   rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
   const int gone = soup.merge(std::move(rim), half_a_pass * shortest);
-  drop_collapsed(soup);
+  soup.drop_collapsed();
   return gone;
 }
 
@@ -192,7 +177,7 @@ std::vector<Shell> separate_shells(Mesh& mesh, const std::vector<char>& turned, 
     shell.one_way = ways[s][0] == 0 || ways[s][1] == 0;
     if (ways[s][1] > ways[s][0]) turn_over(shell.soup);  // as most of it was in the file
     repair.turned += std::min(ways[s][0], ways[s][1]);
-    shell.volume = signed_volume(shell.soup);
+    shell.volume = shell.soup.signed_volume();
   }
   return shells;
 }
@@ -235,7 +220,7 @@ int drop_flat_shells(double size, TriangleSoup& soup) {
   std::vector<char> is_flat;
   for (TriangleSoup& shell : shells) {
     shell.points.swap(soup.points);
-    is_flat.push_back(std::abs(signed_volume(shell)) <= no_thickness * size * area(shell));
+    is_flat.push_back(std::abs(shell.signed_volume()) <= no_thickness * size * area(shell));
     shell.points.swap(soup.points);
   }
   std::vector<char> kept;
@@ -251,7 +236,7 @@ TriangleSoup unite(const std::vector<const Shell*>& solids, const std::vector<co
   TriangleSoup outer = joined(solids), hollows = joined(cavities), body;
   turn_over(hollows);
   int shells = 0;
-  double distance = one_point * size;
+  double distance = rounding_distance * size;
   for (int pass = 0; pass < max_passes; ++pass, distance *= 10) {
     body = outer_boundary(outer, hollows, distance);
     shells = drop_flat_shells(size, body);
@@ -329,11 +314,11 @@ void compare(const TriangleSoup& old, TriangleSoup& soup, SurfaceRepair& repair)
 SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file) {
   SurfaceRepair repair;
   repair.merged_points = merge_equal_points(soup);
-  drop_collapsed(soup);
+  soup.drop_collapsed();
   if (soup.triangles.empty()) fail(file, "no triangle has an area");
   const TriangleSoup old = soup;
   const double size = soup.diagonal();
-  repair.volume_before = signed_volume(soup);
+  repair.volume_before = soup.signed_volume();
   repair.area_before = area(soup);
   repair.merged_points += merge_rims(soup);
 
@@ -381,7 +366,7 @@ SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file) {
             [&](const std::vector<EdgeUse>& uses) { crowded = crowded || uses.size() > 2; });
   if (crowded) separate_where_touching(soup);
   if (soup.triangles.empty()) fail(file, "nothing is left of it");
-  repair.volume_after = signed_volume(soup);
+  repair.volume_after = soup.signed_volume();
   repair.area_after = area(soup);
   compare(old, soup, repair);
   return repair;

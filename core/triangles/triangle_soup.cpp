@@ -38,6 +38,28 @@ void TriangleSoup::keep(const std::vector<char>& kept) {
   if (!line.empty()) line.resize(n);
 }
 
+int TriangleSoup::drop_collapsed() {
+  std::vector<char> kept(triangles.size(), 1);
+  int gone = 0;
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    const Triangle& c = triangles[t];
+    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) continue;
+    kept[t] = 0;
+    ++gone;
+  }
+  if (gone > 0) keep(kept);
+  return gone;
+}
+
+double TriangleSoup::signed_volume() const {
+  if (triangles.empty()) return 0;
+  const Vec3 origin = points[triangles[0][0]];
+  double volume = 0;
+  for (const Triangle& t : triangles)
+    volume += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin)) / 6;
+  return volume;
+}
+
 double TriangleSoup::diagonal() const {
   Vec3 low = points.at(0), high = low;
   for (const Vec3& x : points) {

@@ -26,6 +26,10 @@ struct TriangleSoup {
   bool is_in_group(int triangle, const std::string& name) const;
   /// Keeps the triangles whose entry is not zero.
   void keep(const std::vector<char>& kept);
+  /// Removes the triangles whose corners are not three points; returns how many went.
+  int drop_collapsed();
+  /// Returns the volume of a closed surface: less than zero if its normals point inwards.
+  double signed_volume() const;
   /// Returns the diagonal of the box about all points.
   double diagonal() const;
   /// Merges those of some points that are nearer to each other than a distance; returns how many went. Triangles may

@@ -4,7 +4,7 @@ namespace cgcontact {
 namespace {
 
 /// Nodes that one thread sums, in turn.
-constexpr int block = 4096;
+constexpr int nodes_per_thread = 4096;
 
 /// Positions of the nodes where kernels read them: the host's, where they reach it.
 struct NodePositions {
@@ -38,14 +38,14 @@ Vec3 centre_of_nodes(const BodyMesh& mesh) {
 
 NodeSums sums_of_nodes(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre,
                        const Kokkos::View<const double*, MemSpace>& u) {
-  const int num_nodes = mesh.num_nodes, num_blocks = (num_nodes + block - 1) / block;
+  const int num_nodes = mesh.num_nodes, num_blocks = (num_nodes + nodes_per_thread - 1) / nodes_per_thread;
   const std::size_t first = dof_offset(mesh.first_node);
   const NodePositions positions(mesh, centre);
   const Kokkos::View<NodeSums*, MemSpace> partials("cgcontact::node_sums::parts", num_blocks);
   Kokkos::parallel_for(
       "cgcontact::node_sums::sum", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_blocks), KOKKOS_LAMBDA(const int b) {
         NodeSums partial;
-        for (int n = b * block; n < num_nodes && n < (b + 1) * block; ++n) {
+        for (int n = b * nodes_per_thread; n < num_nodes && n < (b + 1) * nodes_per_thread; ++n) {
           const std::size_t dof = first + dof_offset(n);
           const Vec3 v(u(dof), u(dof + 1), u(dof + 2));
           partial.sum += v;

@@ -76,7 +76,7 @@ void recover_patches_of(const PatchContext& context, const std::vector<int>& nod
 
 /// Values of all ranks, one rank after the other.
 template <class T>
-std::vector<T> gather(const std::vector<T>& own) {
+std::vector<T> gather_packed(const std::vector<T>& own) {
   Packing mine;
   mine.put(own);
   const std::vector<char> bytes = gather_bytes(mine.bytes().data(), mine.bytes().size());
@@ -125,7 +125,7 @@ void recover_patches_by_rank(const PatchContext& context, const std::vector<int>
   results.edges = {};
   results.quadratic = {};
   PatchLists lists;
-  for (const Patch& patch : gather(patches)) {
+  for (const Patch& patch : gather_packed(patches)) {
     results.states.kind[patch.node] = patch.kind;
     results.states.status[patch.node] = patch.status;
     std::copy_n(patch.values[0], 6 * num_terms, &field.values(field.nodes.row(patch.node), 0, 0));
@@ -134,7 +134,7 @@ void recover_patches_by_rank(const PatchContext& context, const std::vector<int>
     add_patch(context, patch.node, polynomials[patch.node], lists);
     results.edges.add(patch.node, num_nodes, lists.edges.front());
   }
-  for (const Quadratic& terms : gather(quadratic)) {
+  for (const Quadratic& terms : gather_packed(quadratic)) {
     if (results.quadratic.row_of_node.empty()) results.quadratic.row_of_node.assign(num_nodes, -1);
     results.quadratic.row_of_node[terms.node] = static_cast<int>(results.quadratic.values.size());
     results.quadratic.values.push_back(terms.values);
@@ -143,7 +143,7 @@ void recover_patches_by_rank(const PatchContext& context, const std::vector<int>
     std::vector<std::array<int, 2>> pairs;
     for (const auto& [node, other] : *list) pairs.push_back({node, other});
     list->clear();
-    for (const auto& [node, other] : gather(pairs)) list->emplace_back(node, other);
+    for (const auto& [node, other] : gather_packed(pairs)) list->emplace_back(node, other);
   }
   results.states.sort();
   double counts[2] = {static_cast<double>(results.truncated_rows), static_cast<double>(results.lowered)};

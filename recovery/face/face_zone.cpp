@@ -10,8 +10,6 @@
 namespace cgcontact {
 namespace {
 
-using Patches = HalfSpace::Patches;
-
 /// Patches in a length along an axis, at least one.
 int steps_in(const FaceGrid& grid, int axis, double length) {
   return std::max(1, static_cast<int>(std::lround(length / grid.spacing[axis])));
@@ -69,7 +67,7 @@ std::vector<double> acting_pressure(const FaceZone& zone, const std::vector<doub
 /// Computes the displacements of the half-spaces under the forces as they act, m.
 std::vector<double> respond(const ExecSpace& exec, const FaceZone& zone, const std::vector<double>& pressure) {
   const FaceGrid& grid = zone.grid;
-  const Patches p("cgcontact::face_zone::acting", grid.size[0], grid.size[1]),
+  const HalfSpace::Patches p("cgcontact::face_zone::acting", grid.size[0], grid.size[1]),
       u("cgcontact::face_zone::response", grid.size[0], grid.size[1]);
   const auto host = Kokkos::create_mirror_view(p);
   for (int n = 0; n < grid.num_patches(); ++n) host(n / grid.size[1], n % grid.size[1]) = pressure[n];

@@ -11,7 +11,7 @@ constexpr int order = 3;  ///< of the derivatives that are to be small
 /// Fraction of the groups' weight that holds splines which no patch sees.
 constexpr double unseen = 1e-10;
 /// Halvings of the range in which the length of the details is sought: to a hundredth of a cell.
-constexpr int halvings = 7;
+constexpr int range_halvings = 7;
 
 /// Values of the four cubic B-splines that are not zero at f in [0, 1] of their knot interval, or a derivative of them.
 std::array<double, 4> cubic(double f, int derivative) {
@@ -208,7 +208,7 @@ double FarField::longest_details(double shortest, double longest) const {
   };
   if (meets(longest)) return longest;
   double low = shortest, high = longest;
-  for (int k = 0; k < halvings; ++k) (meets((low + high) / 2) ? low : high) = (low + high) / 2;
+  for (int k = 0; k < range_halvings; ++k) (meets((low + high) / 2) ? low : high) = (low + high) / 2;
   return low;
 }
 

@@ -6,10 +6,10 @@
 namespace cgcontact {
 namespace {
 
-using Quadratic = Eigen::Matrix<double, 6, 1>;  ///< of 1, x, y, x^2 / 2, x y, y^2 / 2
+using QuadraticFunction = Eigen::Matrix<double, 6, 1>;  ///< of 1, x, y, x^2 / 2, x y, y^2 / 2
 
-Quadratic terms(const FacePosition& x) {
-  Quadratic row;
+QuadraticFunction terms(const FacePosition& x) {
+  QuadraticFunction row;
   row << 1, x[0], x[1], 0.5 * x[0] * x[0], x[0] * x[1], 0.5 * x[1] * x[1];
   return row;
 }
@@ -23,11 +23,11 @@ double fading(double fraction) {
 /// Fits the quadratic function nearest to the squares of the patches inside around a patch, positions in units of
 /// `reach` from its centre; false if they do not determine one.
 bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vector<char>& inside, int patch,
-         double reach, Quadratic& result) {
+         double reach, QuadraticFunction& result) {
   const int rows = grid.plane_strain ? 0 : static_cast<int>(reach / grid.spacing[0]),
             columns = static_cast<int>(reach / grid.spacing[1]);
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Quadratic right = Quadratic::Zero();
+  QuadraticFunction right = QuadraticFunction::Zero();
   int count = 0;
   for (int i = -rows; i <= rows; ++i)
     for (int j = -columns; j <= columns; ++j) {
@@ -36,7 +36,7 @@ bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vec
       const FacePosition x(i * grid.spacing[0] / reach * (grid.plane_strain ? 0 : 1), j * grid.spacing[1] / reach);
       const double weight = fading(x.norm());
       if (weight == 0) continue;
-      const Quadratic row = terms(x);
+      const QuadraticFunction row = terms(x);
       normal += weight * row * row.transpose();
       right += weight * square[n] * row;
       ++count;
@@ -49,7 +49,7 @@ bool fit(const FaceGrid& grid, const std::vector<double>& square, const std::vec
 }
 
 /// Moves a point near the border onto it; false if the function has no zero near.
-bool move_to_border(const Quadratic& c, FacePosition& x, double farthest) {
+bool move_to_border(const QuadraticFunction& c, FacePosition& x, double farthest) {
   const FacePosition start = x;
   for (int round = 0; round < 8; ++round) {
     const FacePosition gradient(c[1] + c[3] * x[0] + c[4] * x[1], c[2] + c[4] * x[0] + c[5] * x[1]);
@@ -73,7 +73,7 @@ std::vector<BorderPoint> border_of_zone(const FaceGrid& grid, const std::vector<
       for (const int side : {-1, 1}) {
         const int next = grid.beside(n, a)[side > 0];
         if (next < 0 || next == n || !inside[next] || square[next] > 0) continue;
-        Quadratic c;
+        QuadraticFunction c;
         if (!fit(grid, square, inside, n, reach, c)) continue;
         FacePosition x = FacePosition::Zero();
         x[a] = side * grid.spacing[a] / reach * square[n] / (square[n] - square[next]);

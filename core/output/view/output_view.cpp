@@ -30,13 +30,13 @@ constexpr double bytes_for_boundaries = 1.0e6, bytes_for_insides = 0.5e6;
 constexpr double bytes_of_triangle = 6.5, bytes_of_point = 24, bytes_of_fields = 18, points_by_triangle = 0.5;
 /// Bytes of a cell or block inside: corners, stress error, status, and the values at about one corner.
 constexpr double bytes_of_block = 12 + bytes_of_point;
-constexpr int colours = 256;
+constexpr int num_colours = 256;
 /// Values at a point of a contact face: gap, pressure, its error; with friction shear, slip, wear.
 constexpr std::size_t columns_without_friction = 3, contact_columns = 6;
 
-ViewJson json_of(const Vec3& v) { return ViewJson::array({v[0], v[1], v[2]}); }
+ViewJson view_json(const Vec3& v) { return ViewJson::array({v[0], v[1], v[2]}); }
 
-ViewJson json_of(const PackedValues& packed) {
+ViewJson view_json(const PackedValues& packed) {
   return {{"low", packed.low}, {"step", packed.step}, {"data", packed.data}};
 }
 
@@ -49,14 +49,14 @@ ViewJson packed_rows(std::size_t rows, std::size_t columns, const Get& get) {
     const auto row = get(i);
     for (std::size_t k = 0; k < columns; ++k) values.push_back(row[static_cast<Eigen::Index>(k)]);
   }
-  return json_of(pack_values(values, columns));
+  return view_json(pack_values(values, columns));
 }
 
 /// Positive values as their decimal logarithms: a low value keeps its digits beside a high one.
 ViewJson packed_logarithms(const std::vector<double>& values) {
   std::vector<double> logarithms;
   for (const double value : values) logarithms.push_back(value > 0 ? std::log10(value) : std::nan(""));
-  return json_of(pack_values(logarithms, 1));
+  return view_json(pack_values(logarithms, 1));
 }
 
 /// The triangles of a contact surface by the boundary triangle that each of them is; -1: not on a contact face. Both
@@ -266,7 +266,7 @@ ViewJson inside_of(const BodyFields& body, const std::vector<SceneBox>& zones, s
 /// The largest values of the report with their positions.
 ViewJson extremes_of_body(const Extremes& most) {
   const auto one = [](const Extreme& extreme) {
-    return ViewJson{{"value", extreme.value}, {"at", json_of(extreme.at)}};
+    return ViewJson{{"value", extreme.value}, {"at", view_json(extreme.at)}};
   };
   ViewJson json;
   json["von_mises"]["max"] = one(most.von_mises);
@@ -287,9 +287,9 @@ ViewJson faces_of(const ViewInput& input) {
                      {"role", role_name(region)},
                      {"colour", hex(input.faces->colours[r])},
                      {"text", input.scene ? conditions(*input.scene, region) : ""},
-                     {"force", json_of(region.force)},
-                     {"motion", json_of(prescribed(region))},
-                     {"at", json_of(region.centroid)}});
+                     {"force", view_json(region.force)},
+                     {"motion", view_json(prescribed(region))},
+                     {"at", view_json(region.centroid)}});
   }
   return faces;
 }
@@ -322,7 +322,8 @@ ViewJson symmetry_planes(const ViewInput& input) {
       if (!known) found.emplace_back(face.centroid, n);
     }
   }
-  for (const auto& [point, normal] : found) planes.push_back({{"point", json_of(point)}, {"normal", json_of(normal)}});
+  for (const auto& [point, normal] : found)
+    planes.push_back({{"point", view_json(point)}, {"normal", view_json(normal)}});
   return planes;
 }
 
@@ -332,10 +333,10 @@ ViewJson pairs_of(const Results& results) {
     const PairFigures& pair = results.pairs[k];
     ViewJson json{{"name", pair.name}, {"bodies", {pair.body_first, pair.body_second}}};
     if (const auto zone = zone_of_pair(results, static_cast<int>(k)))
-      json["zone"] = {{"low", json_of(zone->box.low)},
-                      {"high", json_of(zone->box.high)},
+      json["zone"] = {{"low", view_json(zone->box.low)},
+                      {"high", view_json(zone->box.high)},
                       {"axis", zone->axis},
-                      {"normal", json_of(zone->normal)}};
+                      {"normal", view_json(zone->normal)}};
     pairs.push_back(json);
   }
   return pairs;
@@ -356,8 +357,8 @@ int axis_of_revolution(const Results& results) {
 
 std::string palette() {
   std::vector<unsigned char> bytes;
-  for (int i = 0; i < colours; ++i)
-    for (const double channel : palette_colour(i / (colours - 1.0)))
+  for (int i = 0; i < num_colours; ++i)
+    for (const double channel : palette_colour(i / (num_colours - 1.0)))
       bytes.push_back(static_cast<unsigned char>(std::lround(255 * channel)));
   return pack_bytes(bytes);
 }
@@ -434,8 +435,8 @@ ViewData view_data(const ViewInput& input) {
   json["pairs"] = pairs_of(results);
   json["symmetry"] = symmetry_planes(input);
   json["palette"] = palette();
-  json["eye"] = json_of(look.camera.eye);
-  json["up"] = json_of(look.camera.up);
+  json["eye"] = view_json(look.camera.eye);
+  json["up"] = view_json(look.camera.up);
   json["flat"] = look.thin_axis;
   json["axis"] = axis_of_revolution(results);
   json["exaggeration"] = picture_exaggeration(results, look.box);

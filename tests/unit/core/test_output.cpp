@@ -724,6 +724,12 @@ TEST(output_text, numbers_for_people) {
   EXPECT_EQ(percent_number(0.9949), "99");
   EXPECT_EQ(percent_number(11.2), "1120");
   EXPECT_EQ(percent_number(1e5), "over 9999");
+  EXPECT_DOUBLE_EQ(two_digits(0.01849), 0.018);
+  EXPECT_DOUBLE_EQ(two_digits(99.6), 100);
+  EXPECT_EQ(at_position(Vec3(0.00123456, 0, -3)), "at (0.001235, 0, -3) m");
+  EXPECT_EQ(trimmed("\t a b \r"), "a b");
+  EXPECT_EQ(trimmed(" \t"), "");
+  EXPECT_EQ(trimmed(""), "");
 }
 
 }  // namespace

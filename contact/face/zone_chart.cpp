@@ -1,4 +1,4 @@
-#include "contact/face/face_chart.hpp"
+#include "contact/face/zone_chart.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace cgcontact {
 namespace {
 
 /// A zone whose normals are all within 30 degrees of their mean is seen from above.
-constexpr double flat = 0.866;
+constexpr double min_flat_cosine = 0.866;
 /// A face is round about an axis when the mean square of its normals along it is less, and its points are within that
 /// fraction of the radius of one cylinder.
 constexpr double no_turn = 1e-4, one_radius = 0.02;
@@ -19,9 +19,9 @@ constexpr double same = 1e-6;
 
 }  // namespace
 
-std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
+std::optional<ZoneChart> ZoneChart::make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
                                          int across, const Mat3& turned) {
-  FaceChart chart;
+  ZoneChart chart;
   Vec3 mean = Vec3::Zero(), centre = Vec3::Zero();
   Mat3 spread = Mat3::Zero();
   double area = 0;
@@ -43,7 +43,7 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
   mean.normalize();
   double least = 1;
   for (const FacePoint& p : points) least = std::min(least, p.normal.dot(mean));
-  if (least > flat) {
+  if (least > min_flat_cosine) {
     chart.origin_ = middle;
     chart.normal_ = mean;
     chart.axis_[0] = across >= 0      ? Vec3(Vec3::Unit(across))
@@ -86,7 +86,7 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
 }
 
 /// Puts the origin of an axis onto the symmetry plane across it.
-bool FaceChart::set_ends(const std::vector<SymmetryPlane>& planes) {
+bool ZoneChart::set_ends(const std::vector<SymmetryPlane>& planes) {
   for (const SymmetryPlane& plane : planes) {
     int axis = -1;
     if (round_) {
@@ -121,26 +121,26 @@ bool FaceChart::set_ends(const std::vector<SymmetryPlane>& planes) {
   return true;
 }
 
-Vec3 FaceChart::radial(const Vec3& x) const {
+Vec3 ZoneChart::radial(const Vec3& x) const {
   const Vec3 d = x - origin_;
   return d - d.dot(axis_[0]) * axis_[0];
 }
 
-FacePosition FaceChart::coordinates(const Vec3& x) const {
+FacePosition ZoneChart::coordinates(const Vec3& x) const {
   const Vec3 d = x - origin_;
   if (!round_) return {d.dot(axis_[0]), d.dot(axis_[1])};
   return {d.dot(axis_[0]), radius_ * std::atan2(d.dot(normal_), d.dot(axis_[1]))};
 }
 
-Vec3 FaceChart::point(const FacePosition& position) const {
+Vec3 ZoneChart::point(const FacePosition& position) const {
   if (!round_) return origin_ + position[0] * axis_[0] + position[1] * axis_[1];
   const double angle = position[1] / radius_;
   return origin_ + position[0] * axis_[0] + radius_ * (std::cos(angle) * axis_[1] + std::sin(angle) * normal_);
 }
 
-Vec3 FaceChart::normal(const Vec3& x) const { return round_ ? Vec3(outward_ * radial(x).normalized()) : normal_; }
+Vec3 ZoneChart::normal(const Vec3& x) const { return round_ ? Vec3(outward_ * radial(x).normalized()) : normal_; }
 
-double FaceChart::height(const Vec3& x) const {
+double ZoneChart::height(const Vec3& x) const {
   return round_ ? outward_ * (radial(x).norm() - radius_) : normal_.dot(x - origin_);
 }
 

@@ -16,12 +16,12 @@ struct FacePoint {
   double weight;
 };
 
-class FaceChart {
+class ZoneChart {
  public:
   /// Makes the chart of a zone's points. planes: symmetry planes at the zone. across: the axis (global) of plane
   /// strain, or -1: it is axis 0 then. turned: axes of the body's grid, with which those of a flat face turn. None: the
   /// face turns too much and about no single axis, or the planes do not go with its axes.
-  static std::optional<FaceChart> make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
+  static std::optional<ZoneChart> make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
                                        int across, const Mat3& turned);
 
   FacePosition coordinates(const Vec3& x) const;
