@@ -167,14 +167,19 @@ class Time(Runs):
         later at most on an idle machine; twice the time on one where other jobs run."""
         if harness.SLOW_BUILD:
             self.skipTest("times of a build with sanitizers")
-        limit = 8
-        written, _ = self.solve(scene("ball_on_plate"), "--set", "accuracy.pressure=0.03%", "--set", f"accuracy.max_time={limit}")
-        accuracy = written["accuracy"]
-        self.assertFalse(accuracy["reached"])
-        self.assertIn("accuracy.max_time", accuracy["text"])
-        first = accuracy["solves"][0]["seconds"]
-        self.assertLess(accuracy["seconds"], max(2 * limit, first + limit))
-        self.assertEqual(written["unknowns"], accuracy["solves"][accuracy["answer"] - 1]["unknowns"])
+        ends = []
+        for limit in (8, 7, 9):  # the grids depend on the clock: of some the estimate is not smaller, which ends a run too
+            written, _ = self.solve(scene("ball_on_plate"), "--set", "accuracy.pressure=0.03%", "--set", f"accuracy.max_time={limit}")
+            accuracy = written["accuracy"]
+            self.assertFalse(accuracy["reached"])
+            first = accuracy["solves"][0]["seconds"]
+            self.assertLess(accuracy["seconds"], max(2 * limit, first + limit))
+            self.assertEqual(written["unknowns"], accuracy["solves"][accuracy["answer"] - 1]["unknowns"])
+            ends.append(accuracy["text"])
+            if "accuracy.max_time" in ends[-1]:
+                return
+            self.assertIn("no longer fall", ends[-1])
+        self.fail(f"none of three runs was ended by its time: {ends}")
 
 
 class Smooth(Runs):
