@@ -233,8 +233,10 @@ std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair) {
 }
 
 SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone) {
-  SceneView view = scene;
-  if (scene.thin_axis >= 0) return view;
+  if (scene.thin_axis >= 0) return scene;
+  SceneView view;  // no copy of what the scene shows, which is large
+  view.box = scene.box;
+  view.camera = scene.camera;
   const ReachedSides reached = sides_reached(scene.box, zone);
   const Vec3 eye = towards(reached, scene.camera.eye);
   look_from(eye, view.camera);
