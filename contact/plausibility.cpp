@@ -243,10 +243,10 @@ void find_shared_face(Checked& c, const char* of, const FaceRef& ref) {
   const FaceSpec& face = ref.face;
   if (face.owners.empty()) return;
   const BodyModel& model = c.preparation.bodies[ref.body];
+  const Grid& grid = model.cut_cells.grid;
   double area = 0, beside = 0;
   std::set<std::string> others;
   for (const int p : BodyFace(face, model).points()) {
-    const Grid& grid = model.cut_cells.grid;
     area += model.area(p);
     if (!model.spec->is_beside_owners(face, grid.to_global(model.cut_cells.boundary.position_of_facet(p)))) continue;
     beside += model.area(p);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {
@@ -16,8 +17,6 @@ constexpr double along_plane = 1e-6;
 /// Sine of the angle between a curve and a plane across it, 82 degrees: the last chord of a path that goes all round
 /// and meets the plane at a right angle is off by half a degree.
 constexpr double across_plane = 0.99;
-/// Rounding of positions, over the lengths of a picture; of a normal along a coordinate axis.
-constexpr double position_rounding = 1e-9;
 
 }  // namespace
 
@@ -43,9 +42,9 @@ std::vector<CurvePoint> mirror_image(std::vector<CurvePoint> curve, const CurveE
 
 std::string name_of(const SymmetryPlane& plane, double largest) {
   int axis = 0;
-  if (plane.normal.cwiseAbs().maxCoeff(&axis) < 1 - position_rounding) return "a plane of symmetry";
+  if (plane.normal.cwiseAbs().maxCoeff(&axis) < 1 - rounding) return "a plane of symmetry";
   const double at = plane.point[axis];
-  if (std::abs(at) <= position_rounding * largest) return fmt::format("{} = 0", "xyz"[axis]);
+  if (std::abs(at) <= rounding * largest) return fmt::format("{} = 0", "xyz"[axis]);
   const DisplayUnit unit = length_unit(std::abs(at));
   return fmt::format("{} = {} {}", "xyz"[axis], short_number(at * unit.factor), unit.name);
 }

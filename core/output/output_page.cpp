@@ -648,9 +648,6 @@ std::string rigid_section(const Results& results) {
         largest = std::max(largest, m.norm());
     }
   const DisplayUnit unit = length_unit(length);
-  const auto without_rounding = [](double component, double whole) {
-    return std::abs(component) < 1e-6 * whole ? 0 : component;
-  };
   for (const BodyFields& body : results.bodies) {
     if (!body.rigid) continue;
     const RigidFigures& rigid = *body.rigid;
@@ -664,7 +661,8 @@ std::string rigid_section(const Results& results) {
     for (const auto& [name, m] : contributions) {
       std::string moment = name_cell(html_text(body.name)) + cell(name);
       for (const double component : m)
-        moment += cell(figure(component, short_number(without_rounding(component, largest)) + "&#160;N&#160;m"));
+        moment += cell(figure(
+            component, short_number(std::abs(component) < no_force * largest ? 0 : component) + "&#160;N&#160;m"));
       moments.push_back(moment);
     }
   }

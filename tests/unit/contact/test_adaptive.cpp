@@ -15,6 +15,7 @@
 #include "contact/adaptive/zone_sizes.hpp"
 #include "contact/adaptive_run.hpp"
 #include "tests/support/run_scene.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace cgcontact::test_adaptive {
 namespace {
@@ -262,26 +263,7 @@ TEST(DisplacementErrors, FollowTheEnergyNormAndTheChange) {
 /// A bar under tension p: the mean over its end, and the largest displacement, at a corner of the end, which no
 /// boundary point reaches quite.
 TEST(DisplacementErrors, AreOfTheDisplacementsThatTargetsName) {
-  const auto solved = test::run_text(R"(
-[[body]]
-name = "bar"
-shape = {box = {min = [0, 0, 0], max = [0.5, 0.4, 1]}}
-material = {E = 200e9, nu = 0.3}
-cell_size = 0.13
-grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
-[[support]]
-face = "bar.x-"
-symmetry = true
-[[support]]
-face = "bar.y-"
-symmetry = true
-[[support]]
-face = "bar.z-"
-symmetry = true
-[[load]]
-face = "bar.z+"
-pressure = -200e6
-)");
+  const auto solved = test::run_text(test::pulled_bar_text());
   ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
   solved->scene.accuracy.named = {{NamedTarget::Kind::pressure, "some pair", 0.1},
                                   {NamedTarget::Kind::displacement, "largest", 0.1},

@@ -8,6 +8,7 @@
 #include "contact/model/opposite_points.hpp"
 #include "contact/preparation.hpp"
 #include "tests/support/run_scene.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace cgcontact::test_contact_pairs {
 namespace {
@@ -175,23 +176,10 @@ TEST(OppositePoints, AreHiddenByWhatComesBetween) {
 
 /// The distance between boxes that are apart along all axes is that of their corners.
 TEST(OppositePoints, BoxDistanceIsThatOfTheNearestCorners) {
-  const Scene scene = parse_scene(R"(
-[[body]]
-name = "a"
-shape = {box = {min = [0, 0, 0], max = [1, 1, 1]}}
-material = {E = 200e9, nu = 0.3}
-cell_size = 0.4
-grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
-[[body]]
-name = "b"
-shape = {box = {min = [3, 4, -7], max = [4, 5, -6]}}
-material = {E = 200e9, nu = 0.3}
-cell_size = 0.4
-[[support]]
-face = "a.z-"
-symmetry = true
-)",
-                                  "scene.toml");
+  const Scene scene =
+      parse_scene(test::box_text("a", "[0, 0, 0]", "[1, 1, 1]", 0.4, test::turned_grid) +
+                      test::box_text("b", "[3, 4, -7]", "[4, 5, -6]", 0.4) + test::symmetry_text({"a.z-"}),
+                  "scene.toml");
   const std::vector<BodyModel> bodies = make_body_models(scene);
   EXPECT_NEAR(box_distance(bodies[0], bodies[1]), 7, 1e-12);  // 2, 3 and 6
   EXPECT_NEAR(box_distance(bodies[1], bodies[0]), 7, 1e-12);

@@ -18,6 +18,7 @@
 #include "contact/results/zone_width.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace cgcontact::test_figures {
 namespace {
@@ -25,10 +26,6 @@ namespace {
 /// Relative: uniform states are exact to what the solvers leave (test::tight).
 constexpr double exact = 1e-9;
 constexpr double E = 200e9, nu = 0.3;
-
-std::string support(const std::string& face, const std::string& held = "symmetry = true") {
-  return "[[support]]\nface = \"" + face + "\"\n" + held + "\n";
-}
 
 /// Two blocks on each other, 0.5 x 0.4 m and 0.6 and 0.7 m high, with a corner at (0.2, 0.1, 0): between planes of
 /// symmetry at their low sides.
@@ -48,8 +45,8 @@ cell_size = 0.11
 grid = {offset = [0.3, 0.6, 0.2]}
 [[contact]]
 faces = )" +
-         faces + "\n" + support("lower.z-", foot) + support("lower.x-") + support("lower.y-") + support("upper.x-") +
-         support("upper.y-") + more;
+         faces + "\n" + test::support_text("lower.z-", foot) +
+         test::symmetry_text({"lower.x-", "lower.y-", "upper.x-", "upper.y-"}) + more;
 }
 const std::string lower_first = "[\"lower.z+\", \"upper.z-\"]", on_a_plane = "symmetry = true";
 
@@ -293,9 +290,9 @@ TEST_F(PressedBlocks, HavePathsMeasuredAlongTheFace) {
 TEST(SpringShare, IsThatOfSpringsBesideTheContact) {
   const double A = 0.2, above = 0.5e11, below = 1e12;  // Pa/m
   const double K = 1 / ((0.6 + 0.7) / (E * A) + 1 / (below * A)), share = above * A / (above * A + K);
-  const auto solved = test::run_text(
-      blocks(lower_first, "stiffness = [0, 0, 1e12]",
-             support("upper.z+", "stiffness = [0, 0, 0.5e11]") + "[[load]]\nface = \"upper.z+\"\npressure = 1e6\n"));
+  const auto solved = test::run_text(blocks(lower_first, "stiffness = [0, 0, 1e12]",
+                                            test::support_text("upper.z+", "stiffness = [0, 0, 0.5e11]") +
+                                                "[[load]]\nface = \"upper.z+\"\npressure = 1e6\n"));
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
   const std::vector<SpringShare> shares = spring_shares(solved->simulation->state, r);
@@ -316,19 +313,7 @@ TEST(SpringShare, IsThatOfSpringsBesideTheContact) {
 /// A bar of 1 m, pulled to a strain of 0.1 %.
 class PulledBar : public testing::Test {
  protected:
-  PulledBar()
-      : solved_(test::run_text(R"(
-[[body]]
-name = "bar"
-shape = {box = {min = [0, 0, 0], max = [0.5, 0.4, 1]}}
-material = {E = 200e9, nu = 0.3}
-cell_size = 0.13
-grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
-[[load]]
-face = "bar.z+"
-pressure = -200e6
-)" + support("bar.x-") + support("bar.y-") +
-                               support("bar.z-"))) {}
+  PulledBar() : solved_(test::run_text(test::pulled_bar_text())) {}
   void SetUp() override { ASSERT_TRUE(solved_->results().converged) << solved_->results().diagnosis; }
 
   SolvedState& state() { return solved_->simulation->state; }
@@ -400,9 +385,7 @@ faces = ["lower.z+", "upper.z-"]
 [[load]]
 face = "lower.x+"
 pressure = 1e7
-)" + support("lower.x-") + support("lower.y-") +
-                                     support("lower.z-") + support("upper.x-") + support("upper.y-") +
-                                     support("upper.z+"));
+)" + test::symmetry_text({"lower.x-", "lower.y-", "lower.z-", "upper.x-", "upper.y-", "upper.z+"}));
   Results r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
   ASSERT_EQ(r.pairs[0].active_points, 0);
@@ -440,7 +423,7 @@ shape = {cylinder = {base = [0.1, 0.2, 0], top = [0.1, 0.2, 0.5], radius = 0.3}}
 material = {E = 200e9, nu = 0.3}
 cell_size = 0.11
 grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
-)" + support("rod.bottom"),
+)" + test::symmetry_text({"rod.bottom"}),
                                   "scene.toml");
   const Preparation prepared = discretise(scene);
   const BodyModel& rod = prepared.bodies[0];
@@ -472,7 +455,7 @@ grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
 [[load]]
 face = "block.z+"
 pressure = "1e6*x/0.4"
-)" + support("block.z-"),
+)" + test::symmetry_text({"block.z-"}),
                                   "scene.toml");
   const Preparation prepared = discretise(scene);
   const std::vector<LoadFigures> loads = load_figures(scene, prepared.bodies);

@@ -13,6 +13,7 @@
 #include "contact/solve/rigid_contact.hpp"
 #include "contact/solve/tangential_drift.hpp"
 #include "core/scene/read_scene.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace cgcontact::test_motions {
 namespace {
@@ -28,31 +29,9 @@ struct OnGrids {
   OnGrids(const OnGrids&) = delete;
 };
 
-std::string box(const std::string& name, const std::string& min, const std::string& max, double cell_size,
-                const std::string& more = "") {
-  return "[[body]]\nname = \"" + name + "\"\nshape = {box = {min = " + min + ", max = " + max +
-         "}}\nmaterial = {E = 200e9, nu = 0.3}\ncell_size = " + std::to_string(cell_size) + "\n" + more;
-}
-
-std::string support(const std::string& face, const std::string& held) {
-  return "[[support]]\nface = \"" + face + "\"\n" + held + "\n";
-}
-
-std::string symmetry(const std::vector<std::string>& faces) {
-  std::string text;
-  for (const std::string& face : faces) text += support(face, "symmetry = true");
-  return text;
-}
-
-std::string contact(const std::string& first, const std::string& second) {
-  return "[[contact]]\nfaces = [\"" + first + "\", \"" + second + "\"]\n";
-}
-
 /// A block of 0.4 x 0.6 x 1 m in a turned grid.
 std::string block(const std::string& more) {
-  return box("block", "[0, 0, 0]", "[0.4, 0.6, 1]", 0.23,
-             "grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}\n") +
-         more;
+  return test::box_text("block", "[0, 0, 0]", "[0.4, 0.6, 1]", 0.23, test::turned_grid) + more;
 }
 
 /// Returns the free motions of the only body with its supports.
@@ -76,15 +55,16 @@ TEST(RigidComponent, RowGivesTheDisplacementAlongADirection) {
 
 /// A plane that holds its normal leaves three motions, two planes across each other one, three none.
 TEST(FreeMotions, OfABlockAreThoseThatItsSupportsLeave) {
-  const OnGrids on_a_plane(block(symmetry({"block.z-"})));
+  const OnGrids on_a_plane(block(test::symmetry_text({"block.z-"})));
   EXPECT_EQ(free_rigid_motions(whole_bodies(on_a_plane.p.bodies), on_a_plane.p.bodies, {}, {}).cols(), 6);
   const auto unit = [](int k) { return RigidMotion(RigidMotion::Unit(k)); };
   expect_span(free_motions(on_a_plane), {unit(0), unit(1), unit(5)}, "z");
-  expect_span(free_motions(OnGrids(block(symmetry({"block.z-", "block.x-"})))), {unit(1)}, "z, x");
-  expect_span(free_motions(OnGrids(block(symmetry({"block.z-", "block.x-", "block.y-"})))), {}, "z, x, y");
-  expect_span(free_motions(OnGrids(block(support("block.z-", "displacement = {x = 0, y = 0, z = 0}")))), {}, "foot");
+  expect_span(free_motions(OnGrids(block(test::symmetry_text({"block.z-", "block.x-"})))), {unit(1)}, "z, x");
+  expect_span(free_motions(OnGrids(block(test::symmetry_text({"block.z-", "block.x-", "block.y-"})))), {}, "z, x, y");
+  expect_span(free_motions(OnGrids(block(test::support_text("block.z-", "displacement = {x = 0, y = 0, z = 0}")))), {},
+              "foot");
   // Held along x on the plane z = 0: it may turn about the y axis of that plane.
-  const OnGrids hinged(block(support("block.z-", "displacement = {x = 0}")));
+  const OnGrids hinged(block(test::support_text("block.z-", "displacement = {x = 0}")));
   const FreeMotions free = free_motions(hinged);
   RigidMotion hinge = unit(4);
   hinge[0] = free.bodies[0].centre()[2] / free.bodies[0].size();
@@ -94,7 +74,7 @@ TEST(FreeMotions, OfABlockAreThoseThatItsSupportsLeave) {
 std::string rod(const std::string& held) {
   return "[[body]]\nname = \"rod\"\nshape = {cylinder = {base = [0.1, 0.2, 0], top = [0.1, 0.2, 0.5], radius = 0.3}}\n"
          "material = {E = 200e9, nu = 0.3}\ncell_size = 0.11\ngrid = {offset = [0.3, 0.6, 0.2]}\n" +
-         support("rod.side", "cylindrical = {" + held + "point = [0.1, 0.2, 0], axis = [0, 0, 1]}");
+         test::support_text("rod.side", "cylindrical = {" + held + "point = [0.1, 0.2, 0], axis = [0, 0, 1]}");
 }
 
 /// A rod in a bushing turns about its own axis, not about the middle of its cells.
@@ -118,7 +98,7 @@ TEST(FreeMotions, OfARodInABushingAreASlideAndASpinAboutItsAxis) {
 
 /// As many points as there are motions, and nothing is free any more.
 TEST(FreeMotions, AreHeldByOnePointEach) {
-  const OnGrids g(block(symmetry({"block.z-"})));
+  const OnGrids g(block(test::symmetry_text({"block.z-"})));
   const FreeMotions free = free_motions(g);
   std::vector<SupportPoint> supports = hold(free, g.p.bodies);
   ASSERT_EQ(supports.size(), 3u);
@@ -134,7 +114,7 @@ TEST(FreeMotions, AreHeldByOnePointEach) {
 /// The motion that a load drives is the one that it does most work on: along its force and about its moment. What the
 /// support takes drives nothing. Resultants of loads are exact to 1e-12.
 TEST(FreeMotions, DrivenByALoadFollowItsForceAndMoment) {
-  const OnGrids g(block(symmetry({"block.z-"}) +
+  const OnGrids g(block(test::symmetry_text({"block.z-"}) +
                         "[[load]]\nface = \"block.z+\"\nforce = [300, 400, -500]\nat = [1.2, 0.9, 0.5]\n"));
   const FreeMotions free = free_motions(g), driven = driven_by_loads(free, g.p.bodies);
   const Vec3 arm = Vec3(1.2, 0.9, 0.5) - free.bodies[0].centre();
@@ -144,7 +124,7 @@ TEST(FreeMotions, DrivenByALoadFollowItsForceAndMoment) {
   expected[5] = (arm[0] * 400 - arm[1] * 300) / free.bodies[0].size();
   ASSERT_EQ(driven.modes.cols(), 1);
   EXPECT_LT((driven.modes - expected.normalized()).norm(), rounding);
-  const OnGrids pressed(block(symmetry({"block.z-"}) + "[[load]]\nface = \"block.z+\"\npressure = 1e6\n"));
+  const OnGrids pressed(block(test::symmetry_text({"block.z-"}) + "[[load]]\nface = \"block.z+\"\npressure = 1e6\n"));
   EXPECT_TRUE(driven_by_loads(free_motions(pressed), pressed.p.bodies).empty());
 }
 
@@ -186,7 +166,7 @@ cell_size = 0.1
 grid = {offset = [0.3, 0.6, 0.2]}
 shape = {union = [{name = "a", box = {min = [0, 0, 0], max = [0.4, 1, 0.3]}},
                   {name = "b", box = {min = [0.7, 0, 0], max = [1, 1, 0.3]}}]}
-)" + symmetry(held);
+)" + test::symmetry_text(held);
 }
 
 /// They are two components, each with its own cells. Their lower faces lie on one plane, so that the support of "a.z-"
@@ -208,10 +188,11 @@ TEST(RigidComponents, OfABodyInTwoPieces) {
 
 /// Three blocks on each other between planes of symmetry.
 std::string stack(const std::string& more) {
-  return box("low", "[0, 0, 0]", "[0.5, 0.4, 0.3]", 0.17) + box("middle", "[0, 0, 0.3]", "[0.5, 0.4, 0.7]", 0.13) +
-         box("top", "[0, 0, 0.7]", "[0.5, 0.4, 1]", 0.19) +
-         symmetry({"low.x-", "low.y-", "low.z-", "middle.x-", "middle.y-", "top.x-", "top.y-"}) +
-         contact("low.z+", "middle.z-") + contact("top.z-", "middle.z+") + more;
+  return test::box_text("low", "[0, 0, 0]", "[0.5, 0.4, 0.3]", 0.17) +
+         test::box_text("middle", "[0, 0, 0.3]", "[0.5, 0.4, 0.7]", 0.13) +
+         test::box_text("top", "[0, 0, 0.7]", "[0.5, 0.4, 1]", 0.19) +
+         test::symmetry_text({"low.x-", "low.y-", "low.z-", "middle.x-", "middle.y-", "top.x-", "top.y-"}) +
+         test::contact_text("low.z+", "middle.z-") + test::contact_text("top.z-", "middle.z+") + more;
 }
 
 /// Loads give every force in a stack that stands free, whatever carries them; none where the top is held as well. A
@@ -232,19 +213,21 @@ TEST(Statics, GiveTheForcesInAStackThatStandsFree) {
   for (std::size_t q = 0; q < points.size(); ++q) points.set_active(q, false);
   EXPECT_FALSE(given(standing, 0, z));
   EXPECT_TRUE(given(standing, 1, z));
-  const OnGrids clamped(stack(symmetry({"top.z+"})));
+  const OnGrids clamped(stack(test::symmetry_text({"top.z+"})));
   for (const int pair : {0, 1}) EXPECT_FALSE(given(clamped, pair, z));
-  const OnGrids on_springs(stack(support("top.z+", "stiffness = 1e6")));
+  const OnGrids on_springs(stack(test::support_text("top.z+", "stiffness = 1e6")));
   for (const int pair : {0, 1}) EXPECT_FALSE(given(on_springs, pair, z)) << "soft as they are";
 }
 
 /// A plate on two columns shares its load by their stiffness; on one of them it does not.
 TEST(Statics, DoNotShareALoadAmongTwoColumns) {
-  OnGrids g(box("left", "[0, 0, 0]", "[0.2, 0.4, 0.3]", 0.11) + box("right", "[0.6, 0, 0]", "[0.8, 0.4, 0.3]", 0.11) +
-            box("plate", "[0, 0, 0.3]", "[0.8, 0.4, 0.5]", 0.13) + symmetry({"plate.x-", "plate.y-"}) +
-            support("left.z-", "displacement = {x = 0, y = 0, z = 0}") +
-            support("right.z-", "displacement = {x = 0, y = 0, z = 0}") + contact("left.z+", "plate.z-") +
-            contact("right.z+", "plate.z-"));
+  OnGrids g(test::box_text("left", "[0, 0, 0]", "[0.2, 0.4, 0.3]", 0.11) +
+            test::box_text("right", "[0.6, 0, 0]", "[0.8, 0.4, 0.3]", 0.11) +
+            test::box_text("plate", "[0, 0, 0.3]", "[0.8, 0.4, 0.5]", 0.13) +
+            test::symmetry_text({"plate.x-", "plate.y-"}) +
+            test::support_text("left.z-", "displacement = {x = 0, y = 0, z = 0}") +
+            test::support_text("right.z-", "displacement = {x = 0, y = 0, z = 0}") +
+            test::contact_text("left.z+", "plate.z-") + test::contact_text("right.z+", "plate.z-"));
   ASSERT_EQ(g.p.pairs.size(), 2u);
   const auto given = [&](int pair) {
     return Statics(g.scene, g.p.bodies, g.p.supports, g.p.pairs).loads_give(pair, Vec3::UnitZ());
@@ -258,11 +241,11 @@ TEST(Statics, DoNotShareALoadAmongTwoColumns) {
 
 /// A block of 1 x 0.3 m on a wider foundation, `gap` above it, which nothing but contact holds along z and about y.
 std::string on_foundation(const std::string& gap, const std::string& more) {
-  return box("foundation", "[-0.5, 0, -0.2]", "[1.5, 0.3, 0]", 0.07, "grid = {offset = [0.2, 0.3, 0.6]}\n") +
-         box("block", "[0, 0, \"" + gap + "\"]", "[1, 0.3, \"0.4+" + gap + "\"]", 0.11,
-             "grid = {offset = [0.3, 0.6, 0.2]}\n") +
-         support("foundation.z-", "displacement = {x = 0, y = 0, z = 0}") + symmetry({"block.y-"}) +
-         contact("foundation.z+", "block.z-") + more;
+  return test::box_text("foundation", "[-0.5, 0, -0.2]", "[1.5, 0.3, 0]", 0.07, "grid = {offset = [0.2, 0.3, 0.6]}\n") +
+         test::box_text("block", "[0, 0, \"" + gap + "\"]", "[1, 0.3, \"0.4+" + gap + "\"]", 0.11,
+                        "grid = {offset = [0.3, 0.6, 0.2]}\n") +
+         test::support_text("foundation.z-", "displacement = {x = 0, y = 0, z = 0}") +
+         test::symmetry_text({"block.y-"}) + test::contact_text("foundation.z+", "block.z-") + more;
 }
 
 std::string load(const std::string& force, const std::string& at) {
@@ -335,14 +318,16 @@ TEST(FloatingBodies, KnowWhatGivesTheForceOfTheirPairs) {
   };
   EXPECT_EQ(driven(load("[0, 0, -1000]", "[0.5, 0.15, 0.4]")), DisplacementDriven::no);
   EXPECT_EQ(driven(""), DisplacementDriven::squeezed);
-  EXPECT_EQ(driven(support("block.z+", "displacement = {x = 0, y = 0, z = -1e-6}")), DisplacementDriven::held);
+  EXPECT_EQ(driven(test::support_text("block.z+", "displacement = {x = 0, y = 0, z = -1e-6}")),
+            DisplacementDriven::held);
 }
 
 /// A block that lies on a wider one.
 std::string lying_block(const std::string& more) {
-  return box("foundation", "[0, 0, -0.2]", "[1, 1, 0]", 0.11, "grid = {offset = [0.2, 0.3, 0.6]}\n") +
-         box("block", "[0.3, 0.2, 0]", "[0.7, 0.8, 0.3]", 0.13, "grid = {offset = [0.3, 0.6, 0.2]}\n") +
-         support("foundation.z-", "displacement = {x = 0, y = 0, z = 0}") + contact("foundation.z+", "block.z-") + more;
+  return test::box_text("foundation", "[0, 0, -0.2]", "[1, 1, 0]", 0.11, "grid = {offset = [0.2, 0.3, 0.6]}\n") +
+         test::box_text("block", "[0.3, 0.2, 0]", "[0.7, 0.8, 0.3]", 0.13, "grid = {offset = [0.3, 0.6, 0.2]}\n") +
+         test::support_text("foundation.z-", "displacement = {x = 0, y = 0, z = 0}") +
+         test::contact_text("foundation.z+", "block.z-") + more;
 }
 
 /// It drifts along the plane and about its normal, in the smaller cells, not off the plane; points that hold that leave
