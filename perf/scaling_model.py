@@ -9,10 +9,10 @@ An iteration of CG (with a multigrid cycle) on P ranks and N unknowns takes
     whole      WHOLE x N / rate: what every rank does itself between linear solves and in their set-up
     bandwidth  bytes that a rank sends / bandwidth of its link
     latency    messages x latency
-    sums       reductions x (2 latency log2 P + bytes summed / bandwidth)
+    sums       reductions x 2 latency log2 P: of some scalar products each
 rate: of one rank, measured; load: of the rank with most cells to compute (a cut one counts CUT_CELL), those at borders that two
 ranks compute included, over 1/P of one rank's; WHOLE: from profiles; messages, bytes and reductions: counted on 2 to 16 ranks, extended by N and P:
-bytes per rank ~ (N / P)^(2/3), the summed surface rows ~ N^(2/3). The network is one of a cluster of 2024: InfiniBand NDR 200, 24 GB/s per
+bytes per rank ~ (N / P)^(2/3). The network is one of a cluster of 2024: InfiniBand NDR 200, 24 GB/s per
 node and 64 ranks per node share it; 1.3 us from rank to rank.
 
 Efficiency is told twice: of what is divided, and of all. What every rank has whole (docs/parallel.md) limits a run to the memory of one
@@ -54,9 +54,7 @@ class Model:
             self.load[run["ranks"]] = max(work(rank["unknowns"], rank["cut_cells"]) for rank in ranks) / (
                 work(alone["unknowns"], alone["cells"]["cut"]) / run["ranks"])
         last = several[-1]
-        cycles = sum(last["linear_iterations"])
-        self.reductions = last["rank_figures"][0]["reductions"] / cycles
-        self.summed = last["rank_figures"][0]["reduced_bytes"] / cycles / self.unknowns ** (2 / 3)
+        self.reductions = last["rank_figures"][0]["reductions"] / sum(last["linear_iterations"])
 
     def terms(self, unknowns, ranks):
         """Seconds of an iteration: compute, whole, bandwidth, latency, sums."""
@@ -67,8 +65,7 @@ class Model:
         per_rank = LINK / min(ranks, RANKS_PER_NODE)
         sent = max(self.surface) * (unknowns / ranks) ** (2 / 3)
         messages = self.messages.get(ranks, max(self.messages.values()))
-        summed = self.summed * unknowns ** (2 / 3)
-        sums = self.reductions * 2 * LATENCY * math.log2(ranks) + 2 * summed / per_rank
+        sums = self.reductions * 2 * LATENCY * math.log2(ranks)
         return compute, whole, sent / per_rank, messages * LATENCY, sums
 
 

@@ -92,7 +92,6 @@ std::pair<std::size_t, std::size_t> share_out(std::size_t n) {
 RankScope::RankScope() = default;
 RankScope::~RankScope() = default;
 void sum_over_ranks(double*, std::size_t) {}
-void sum_over_ranks(float*, std::size_t) {}
 double largest_over_ranks(double value) { return value; }
 double of_first_rank(double value) { return value; }
 int ranks_on_this_machine() { return 1; }
@@ -117,14 +116,13 @@ constexpr double patience = 5;
 /// MPI counts in int: longer arrays go in chunks.
 constexpr std::size_t max_count = INT_MAX / 2;
 
-template <class T>
-void sum(T* values, std::size_t count, MPI_Datatype type) {
+void reduce(double* values, std::size_t count, MPI_Op operation) {
   if (ranks == 1) return;
   work_of_rank().reductions += 1;
-  work_of_rank().reduced_bytes += static_cast<double>(count * sizeof(T));
+  work_of_rank().reduced_bytes += static_cast<double>(count * sizeof(double));
   for (std::size_t done = 0; done < count; done += max_count)
-    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(max_count, count - done)), type, MPI_SUM,
-                  MPI_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(max_count, count - done)), MPI_DOUBLE,
+                  operation, MPI_COMM_WORLD);
 }
 
 /// All ranks know all sizes.
@@ -170,11 +168,10 @@ RankScope::~RankScope() {
   own_rank = 0;
 }
 
-void sum_over_ranks(double* values, std::size_t count) { sum(values, count, MPI_DOUBLE); }
-void sum_over_ranks(float* values, std::size_t count) { sum(values, count, MPI_FLOAT); }
+void sum_over_ranks(double* values, std::size_t count) { reduce(values, count, MPI_SUM); }
 
 double largest_over_ranks(double value) {
-  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  reduce(&value, 1, MPI_MAX);
   return value;
 }
 

@@ -34,7 +34,8 @@ class RankScope {
 };
 
 /// Work of this rank: on the finest grid that was divided last its own unknowns, those that it sees of others and the
-/// cut cells that it computes; what it has sent to neighbours (Halo) and summed over all ranks since RankScope began.
+/// cut cells that it computes; what it has sent to neighbours (Messages) and summed over all ranks since RankScope
+/// began.
 struct RankWork {
   double unknowns = 0, ghosts = 0, cut_cells = 0;
   double messages = 0, sent_bytes = 0, reductions = 0, reduced_bytes = 0;
@@ -43,7 +44,6 @@ RankWork& work_of_rank();
 
 /// Sums over all ranks, in place; the same bits on every rank.
 void sum_over_ranks(double* values, std::size_t count);
-void sum_over_ranks(float* values, std::size_t count);
 double largest_over_ranks(double value);
 /// Returns the first rank's value.
 double of_first_rank(double value);

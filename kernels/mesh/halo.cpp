@@ -1,38 +1,18 @@
 #include "kernels/mesh/halo.hpp"
 
 #include <Teuchos_DefaultMpiComm.hpp>
-#include <Tpetra_Distributor.hpp>
-#include <Tpetra_Import.hpp>
-#include <Tpetra_Map.hpp>
 
-#include "core/base/ranks.hpp"
 #include "kernels/mesh/dof_map.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
-namespace {
 
-using Teuchos::RCP;
-using Teuchos::rcp;
-using Map = Tpetra::Map<>;
-using Number = Map::global_ordinal_type;
-
-RCP<const Map> map_of(const std::vector<Number>& numbers, const Halo::Comm& comm) {
-  return rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                     Teuchos::ArrayView<const Number>(numbers.data(), static_cast<Teuchos_Ordinal>(numbers.size())), 0,
-                     comm));
-}
-
-}  // namespace
-
-Halo::Comm comm_of_this_rank() { return rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
+Messages::Comm comm_of_this_rank() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
 
 Halo::Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<int>& owners,
            const std::vector<Role>& roles, std::vector<char> needed)
-    : needed_(std::move(needed)) {
-  std::vector<int> owned, ghosts, others;
-  std::vector<Number> owned_numbers, ghost_numbers;
-  Teuchos::Array<int> ghost_owners;
+    : comm_(comm), needed_(std::move(needed)) {
+  std::vector<int> owned, ghosts, others, owned_numbers, ghost_numbers, ghost_owners;
   for (int n = 0; n < static_cast<int>(roles.size()); ++n) {
     if (roles[n] == Role::owned) {
       owned.push_back(n);
@@ -45,10 +25,10 @@ Halo::Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<
     ghost_numbers.push_back(numbers[n]);
     ghost_owners.push_back(owners[n]);
   }
-  import_ = rcp(new Tpetra::Import<>(map_of(owned_numbers, comm), map_of(ghost_numbers, comm), ghost_owners));
+  messages_ = Messages(comm, owned_numbers, ghost_numbers, ghost_owners);
   std::vector<int> sent, received;
-  for (const int n : import_->getExportLIDs()) sent.push_back(owned[n]);
-  for (const int n : import_->getRemoteLIDs()) received.push_back(ghosts[n]);
+  for (const int n : messages_.sent()) sent.push_back(owned[n]);
+  for (const int n : messages_.received()) received.push_back(ghosts[n]);
   owned_ = copy_to_view<IntView>("cgcontact::halo::owned", owned);
   ghosts_ = copy_to_view<IntView>("cgcontact::halo::ghosts", ghosts);
   others_ = copy_to_view<IntView>("cgcontact::halo::others", others);
@@ -60,8 +40,6 @@ Halo::Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<
   in_single_ = decltype(in_single_)("cgcontact::halo::in_single", dof_offset(received.size()));
 }
 
-Halo::~Halo() = default;
-
 template <class Real>
 void Halo::exchange(Real* x, const Kokkos::View<Real*, MemSpace>& out, const Kokkos::View<Real*, MemSpace>& in) const {
   const ExecSpace exec;
@@ -71,10 +49,7 @@ void Halo::exchange(Real* x, const Kokkos::View<Real*, MemSpace>& out, const Kok
         for (int i = 0; i < dofs_per_node; ++i) out(dof_offset(n, i)) = x[dof_offset(sent(n), i)];
       });
   exec.fence();
-  work_of_rank().messages += num_messages();
-  work_of_rank().sent_bytes += static_cast<double>(out.size() * sizeof(Real));
-  using Constant = Kokkos::View<const Real*, MemSpace>;
-  import_->getDistributor().doPostsAndWaits(Constant(out), dofs_per_node, in);
+  messages_.exchange(out, dofs_per_node, in);
   Kokkos::parallel_for(
       "cgcontact::halo::unpack", Kokkos::RangePolicy<ExecSpace>(exec, 0, received.extent(0)),
       KOKKOS_LAMBDA(const int n) {
@@ -85,19 +60,8 @@ void Halo::exchange(Real* x, const Kokkos::View<Real*, MemSpace>& out, const Kok
 void Halo::import_ghosts(double* x) const { exchange(x, out_, in_); }
 void Halo::import_ghosts(float* x) const { exchange(x, out_single_, in_single_); }
 
-void Halo::sum(double* values, std::size_t count) const {
-  Kokkos::fence();
-  sum_over_ranks(values, count);
-}
-void Halo::sum(float* values, std::size_t count) const {
-  Kokkos::fence();
-  sum_over_ranks(values, count);
-}
-
 void import_ghosts(const Halo& halo, double* x) { halo.import_ghosts(x); }
 void import_ghosts(const Halo& halo, float* x) { halo.import_ghosts(x); }
 const IntView& nodes_of_others(const Halo& halo) { return halo.others(); }
-
-int Halo::num_messages() const { return static_cast<int>(import_->getDistributor().getNumSends()); }
 
 }  // namespace cgcontact

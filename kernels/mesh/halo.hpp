@@ -1,27 +1,25 @@
 /// Ghost nodes of a rank. A rank works on the cells around its own nodes; of the nodes of these cells some
 /// belong to other ranks: ghost nodes. A vector of a rank has entries for all its local nodes, as DofMap says, where a
 /// ghost node is treated as a constrained one, whose master is the same node of its owner:
-///   displacements   ghosts have the value of their owner     import_ghosts: one message per neighbour, by Tpetra
+///   displacements   ghosts have the value of their owner     import_ghosts: one message per neighbour
 ///   forces          zero at ghosts                           zero_others: the owner computes all of its forces itself
 /// So the product of both is summed right over the ranks, each node once.
 #pragma once
 
-#include <Teuchos_Comm.hpp>
-#include <Teuchos_RCP.hpp>
-#include <Tpetra_Import_fwd.hpp>
 #include <vector>
 
 #include "kernels/mesh/dofs.hpp"
+#include "kernels/mesh/messages.hpp"
 #include "kernels/mesh/views.hpp"
 
 namespace cgcontact {
 
 /// Returns the communicator of this rank alone.
-Teuchos::RCP<const Teuchos::Comm<int>> comm_of_this_rank();
+Messages::Comm comm_of_this_rank();
 
 class Halo {
  public:
-  using Comm = Teuchos::RCP<const Teuchos::Comm<int>>;
+  using Comm = Messages::Comm;
 
   /// Role of a local node on its rank. `unused`: comes with a cell of which other nodes are needed.
   enum class Role : char { owned, ghost, constrained, unused };
@@ -30,7 +28,6 @@ class Halo {
   /// role, and whether forces on it are computed here (owned nodes, and those that they constrain). Collective.
   Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<int>& owners,
        const std::vector<Role>& roles, std::vector<char> needed);
-  ~Halo();
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
@@ -44,22 +41,17 @@ class Halo {
   /// Sets x (of all local degrees of freedom) at ghosts to x at their owners. Collective.
   void import_ghosts(double* x) const;
   void import_ghosts(float* x) const;
-  /// Sums all ranks' values, in place. Collective.
-  void sum(double* values, std::size_t count) const;
-  void sum(float* values, std::size_t count) const;
-
-  /// Return the messages that this rank sends per import, and the nodes in them.
-  int num_messages() const;
-  int num_sent() const { return static_cast<int>(sent_.extent(0)); }
+  const Comm& comm() const { return comm_; }
 
  private:
   template <class Real>
   void exchange(Real* x, const Kokkos::View<Real*, MemSpace>& out, const Kokkos::View<Real*, MemSpace>& in) const;
 
+  Comm comm_;
   std::vector<char> needed_;
   IntView owned_, ghosts_, others_;
   IntView sent_, received_;  ///< local nodes in the order of the messages
-  Teuchos::RCP<const Tpetra::Import<>> import_;
+  Messages messages_;
   Kokkos::View<double*, MemSpace> out_, in_;
   Kokkos::View<float*, MemSpace> out_single_, in_single_;
 };

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Tpetra_Core.hpp>
 #include <algorithm>
+#include <array>
 
 #include "core/base/decompositions.hpp"
 #include "core/base/ranks.hpp"
@@ -222,7 +223,7 @@ struct Multigrid::Impl {
       const bool same_rows = !first && !present.any_changed();
       if (level.is_worked_on) {
         if (level.is_shared()) level.share->set_groups(level.whole->group_rows, present.stiffness, same_rows);
-        level.op->set_groups(level.system->groups);
+        level.op->set_groups(*level.system);
         level.smoother->set_groups(level.system->group_rows, present.stiffness);
       }
       Level& next = *levels[l + 1];
@@ -241,11 +242,17 @@ struct Multigrid::Impl {
     }
   }
 
-  /// Returns the product of a vector that is consistent and one that is zero at ghosts, over all ranks.
+  /// Returns products of pairs of vectors, one of each zero at ghosts, by one sum over all ranks.
+  template <std::size_t count>
+  std::array<double, count> products(const Level& level,
+                                     const std::array<std::pair<LevelVector, LevelVector>, count>& pairs) const {
+    std::array<double, count> sums;
+    for (std::size_t k = 0; k < count; ++k) sums[k] = dot(exec, pairs[k].first, pairs[k].second);
+    if (level.is_shared()) sum_over_ranks(sums.data(), count);
+    return sums;
+  }
   double product(const Level& level, const LevelVector& x, const LevelVector& y) const {
-    double sum = dot(exec, x, y);
-    if (level.is_shared()) level.system->dofs.halo()->sum(&sum, 1);
-    return sum;
+    return products<1>(level, {{{x, y}}})[0];
   }
 
   /// Largest eigenvalue of M^-1 A from the Lanczos matrix of CG with a random right-hand side.
@@ -307,9 +314,6 @@ struct Multigrid::Impl {
       const Real a = static_cast<Real>(alpha), b = static_cast<Real>(beta);
       if (from_b) {
         level.smoother->step(exec, level.b, a, b, level.d, level.x, true);
-      } else if (level.is_shared()) {
-        level.op->begin_residual(exec, level.b, level.x, level.r);
-        level.smoother->step(exec, *level.op, level.r, a, b, level.d, level.x);
       } else {
         level.op->residual(exec, level.b, level.x, level.r);
         level.smoother->step(exec, level.r, a, b, level.d, level.x, false);
@@ -336,24 +340,26 @@ struct Multigrid::Impl {
         KOKKOS_LAMBDA(const int i) { y(i) += factor * x(i); });
   }
 
-  /// Approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there on. b becomes
-  /// the residual.
+  /// Approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there on;
+  /// overwrites b. The residual's norm follows from that before the step: one sum over all ranks serves all products.
   void solve_coarse(std::size_t l) const {
     const Level& level = *levels[l];
     if (l + 1 == levels.size() || settings.coarse_steps == 0 || !level.is_worked_on) return cycle(l);
-    const double enough = std::pow(settings.coarse_residual, 2) * product(level, level.b, level.b);
+    double enough = 0;
     std::vector<double> step, energy;
     for (int k = 0; k < settings.coarse_steps; ++k) {
       cycle(l);
       for (int j = 0; j < k; ++j) add(-product(level, level.x, level.q[j]) / energy[j], level.p[j], level.x);
       Kokkos::deep_copy(exec, level.p[k], level.x);
-      level.op->apply(exec, level.p[k], level.q[k]);
-      energy.push_back(product(level, level.p[k], level.q[k]));
-      if (!(energy[k] > 0)) break;  // b is zero to rounding
-      step.push_back(product(level, level.p[k], level.b) / energy[k]);
-      if (k + 1 == settings.coarse_steps) break;
-      add(-step[k], level.q[k], level.b);
-      if (product(level, level.b, level.b) <= enough) break;
+      const LevelVector &p = level.p[k], &q = level.q[k], &b = level.b;
+      level.op->apply(exec, p, q);
+      const auto [pq, pb, bb, bq, qq] = products<5>(level, {{{p, q}, {p, b}, {b, b}, {b, q}, {q, q}}});
+      if (k == 0) enough = std::pow(settings.coarse_residual, 2) * bb;
+      energy.push_back(pq);
+      if (!(pq > 0)) break;  // b is zero to rounding
+      step.push_back(pb / pq);
+      if (k + 1 == settings.coarse_steps || bb + step[k] * (step[k] * qq - 2 * bq) <= enough) break;
+      add(-step[k], q, b);
     }
     Kokkos::deep_copy(exec, level.x, Real(0));
     for (std::size_t k = 0; k < step.size(); ++k) add(step[k], level.p[k], level.x);

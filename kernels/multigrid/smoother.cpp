@@ -2,14 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "core/base/decompositions.hpp"
-#include "core/base/ranks.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
@@ -111,11 +109,6 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
 
 template SupportRows make_support_rows(const ElasticSystem&, const NodeColumns<float>&);
 template SupportRows make_support_rows(const ElasticSystem&, const NodeColumns<double>&);
-
-template <class Real>
-struct SurfaceSmoother<Real>::Factor {
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<Real>> llt;
-};
 
 /// In double: across a sliver the entries of a column differ by many orders.
 template <class Real>
@@ -229,16 +222,13 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
   std::vector<int> row_begin{0}, row_node, count(num_nodes_, 0);
   std::vector<Vec3> row_b, row_w;  // sqrt(k) b and D^-1 sqrt(k) b of each node of each row
   std::vector<std::pair<int, Vec3>> entries;
-  std::vector<int> row_columns, group_of_row;
-  std::vector<Real> inverse_root;
+  std::vector<int> row_columns;
   const std::size_t num_supports = supports_.rows.size();
   for (std::size_t r = 0; r < num_supports + rows.size(); ++r) {
     const GroupRow& row = r < num_supports ? supports_.rows[r] : rows[r - num_supports];
     const double k = r < num_supports ? supports_.stiffness[r] : stiffness[r - num_supports];
     if (k <= 0) continue;
     const double root = std::sqrt(k);
-    inverse_root.push_back(static_cast<Real>(1 / root));
-    group_of_row.push_back(r < num_supports ? -1 : static_cast<int>(r - num_supports));
     entries.clear();
     row_columns.clear();
     for (const auto& [dof, value] : row.entries) {
@@ -312,20 +302,19 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
       row_w_(e, i) = static_cast<Real>(row_w[e][i]);
       node_w_(e, i) = static_cast<Real>(row_w[node_entry[e]][i]);
     }
-  surface_ = Vector("cgcontact::smoother::surface", num_rows + (dofs_.halo() ? rows.size() : 0));
-  group_of_row_ = copy_to_view<IntView>("cgcontact::smoother::group_of_row", group_of_row);
-  inverse_root_ = copy_to_view<Vector>("cgcontact::smoother::inverse_root", inverse_root);
-  factor_.reset();
+  surface_ = Vector("cgcontact::smoother::surface", num_rows);
+  matrix_.reset();
   if (num_rows == 0) return;
   // C = 1 + sum over touched nodes b^T D^-1 b.
-  std::vector<Eigen::Triplet<Real>> triplets;
+  typename SurfaceMatrix<Real>::Entries matrix_entries;
   std::vector<double> sum(num_rows, 0.0);
   std::vector<int> marked;
   std::vector<char> seen(num_rows, 0);
   for (int r = 0; r < num_rows; ++r) {
+    if (dofs_.halo() && row_begin[r] == row_begin[r + 1]) continue;  // the row of other ranks
     marked.assign(1, r);
     seen[r] = 1;
-    sum[r] = is_first_rank() || !dofs_.halo() ? 1 : 0;
+    sum[r] = dofs_.halo() ? 0 : 1;
     for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
       const int t = touched[row_node[e]];
       for (int p = node_begin[t]; p < node_begin[t + 1]; ++p) {
@@ -339,17 +328,13 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
       }
     }
     for (int s : marked) {
-      triplets.emplace_back(s, r, static_cast<Real>(sum[s]));
+      matrix_entries.emplace_back(s, r, static_cast<Real>(sum[s]));
       sum[s] = 0;
       seen[s] = 0;
     }
   }
-  if (dofs_.halo()) triplets = gather(triplets);
-  Eigen::SparseMatrix<Real> C(num_rows, num_rows);
-  C.setFromTriplets(triplets.begin(), triplets.end());
-  factor_ = std::make_shared<Factor>();
-  factor_->llt.compute(C);
-  if (factor_->llt.info() != Eigen::Success) throw std::runtime_error("smoother: the surface matrix is not definite");
+  matrix_ = dofs_.halo() ? std::make_shared<const SurfaceMatrix<Real>>(num_rows, matrix_entries, dofs_.halo()->comm())
+                         : std::make_shared<const SurfaceMatrix<Real>>(num_rows, matrix_entries);
 }
 
 template <class Real>
@@ -366,59 +351,14 @@ void SurfaceSmoother<Real>::multiply_rows(const ExecSpace& exec, const Vector& r
       });
 }
 
-/// Adds the forces of the groups, which follow the rows, times a factor and k^-1/2, to their rows.
-template <class Real>
-void SurfaceSmoother<Real>::add_forces(const ExecSpace& exec, Real factor) const {
-  const auto surface = surface_, inverse_root = inverse_root_;
-  const auto group_of_row = group_of_row_;
-  const int num_rows = num_rows_;
-  Kokkos::parallel_for(
-      "cgcontact::smoother::forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows), KOKKOS_LAMBDA(const int k) {
-        if (group_of_row(k) >= 0) surface(k) += factor * inverse_root(k) * surface(num_rows + group_of_row(k));
-      });
-  exec.fence();
-}
-
-template <class Real>
-void SurfaceSmoother<Real>::solve_surface() const {
-  Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface_.data(), num_rows_);
-  g = factor_->llt.solve(g).eval();
-}
-
 template <class Real>
 void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
                                  const Vector& x, bool overwrite) const {
   if (num_rows_ > 0) {
     multiply_rows(exec, r);
     exec.fence();
-    if (dofs_.halo()) dofs_.halo()->sum(surface_.data(), num_rows_);
-    solve_surface();
+    matrix_->solve(exec, surface_);
   }
-  finish_step(exec, r, alpha, beta, d, x, overwrite);
-}
-
-template <class Real>
-void SurfaceSmoother<Real>::step(const ExecSpace& exec, const FastOperator<Real>& op, const Vector& r, Real alpha,
-                                 Real beta, const Vector& d, const Vector& x) const {
-  if (num_rows_ > 0) {
-    multiply_rows(exec, r);
-    const auto forces = Kokkos::subview(surface_, std::make_pair<std::size_t>(num_rows_, surface_.extent(0)));
-    Kokkos::deep_copy(exec, forces, op.group_forces());
-    exec.fence();
-    dofs_.halo()->sum(surface_.data(), surface_.extent(0));
-    Kokkos::deep_copy(exec, op.group_forces(), forces);
-    op.finish_residual(exec, r);
-    add_forces(exec, -1);
-    solve_surface();
-    add_forces(exec, 1);
-  }
-  finish_step(exec, r, alpha, beta, d, x, false);
-}
-
-/// The surface unknowns are known.
-template <class Real>
-void SurfaceSmoother<Real>::finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
-                                        const Vector& x, bool overwrite) const {
   const int num_runs = static_cast<int>(run_.extent(0));
   const NodeColumns<Real> columns = columns_;
   const auto run = run_;

@@ -2,12 +2,12 @@
 /// penalty and supports, in thin bodies the blocks of whole columns of nodes (node_columns.hpp); B the rows of contact
 /// groups with their stiffness k (and mean rows of the supports of small bodies, make_support_rows), which couple the
 /// surface's unknowns for any kappa. M^-1 = D^-1 - W C^-1 W^T (Woodbury) with W = D^-1 B^T k^1/2 and the sparse,
-/// surface-sized C = 1 + k^1/2 B D^-1 B^T k^1/2.
+/// surface-sized C = 1 + k^1/2 B D^-1 B^T k^1/2 (surface_matrix.hpp).
 #pragma once
 
 #include <memory>
 
-#include "kernels/operator/fast_operator.hpp"
+#include "kernels/multigrid/surface_matrix.hpp"
 #include "kernels/operator/node_columns.hpp"
 #include "kernels/operator/system.hpp"
 
@@ -38,25 +38,15 @@ class SurfaceSmoother {
   SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns,
                   SupportRows supports);
 
-  /// Sets rows and stiffness of the contact groups; factorises C (of all ranks, on every rank).
+  /// Sets rows and stiffness of the contact groups; factorises C.
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness);
 
   /// Takes a step: d = beta d + alpha M^-1 r; x += d. With beta = 0, d need not be initialised; with overwrite, x = d.
   void step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
             bool overwrite) const;
-  /// Takes a step after begin_residual() of the operator, which is finished here: one sum over all ranks serves the
-  /// forces f of the groups and W^T r. Without them r misses B^T f, W^T B^T f = (C - 1) t with t = k^-1/2 f, so that
-  /// C^-1 W^T r = C^-1 (W^T r' - t) + t.
-  void step(const ExecSpace& exec, const FastOperator<Real>& op, const Vector& r, Real alpha, Real beta,
-            const Vector& d, const Vector& x) const;
 
  private:
-  struct Factor;
   void multiply_rows(const ExecSpace& exec, const Vector& r) const;
-  void add_forces(const ExecSpace& exec, Real factor) const;
-  void solve_surface() const;
-  void finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
-                   bool overwrite) const;
   Mat3 inverse(int node) const;
   void take_out_supports(const BlocksView& blocks);
   void invert_columns(const BlocksView& blocks);
@@ -74,10 +64,8 @@ class SurfaceSmoother {
   IntView row_begin_, row_node_;                               // row -> (node, W)
   Kokkos::View<Real*[3], Kokkos::LayoutRight, MemSpace> node_w_, row_w_;
   int num_rows_ = 0;
-  Vector surface_;        // of the rows; then of several ranks the forces of the groups
-  IntView group_of_row_;  // -1: of a support
-  Vector inverse_root_;   // k^-1/2 of each row
-  std::shared_ptr<Factor> factor_;
+  Vector surface_;                                     // of the rows
+  std::shared_ptr<const SurfaceMatrix<Real>> matrix_;  // C
 };
 
 }  // namespace cgcontact

@@ -6,6 +6,7 @@
 #include "core/base/parallel.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
+#include "kernels/mesh/row_sums.hpp"
 
 namespace cgcontact {
 namespace {
@@ -118,7 +119,7 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   by_stencil_ = copy_to_view<decltype(by_stencil_)>("cgcontact::fast_operator::by_stencil", by_stencil);
   rings_ = decltype(rings_)("cgcontact::fast_operator::rings", ExecSpace::concurrency(), StencilRing<Real>::size);
 
-  set_groups(system.groups);
+  set_groups(system);
 
   sizes_.num_nodes = num_nodes_;
   sizes_.stencil_nodes = tiles_.num_nodes;
@@ -132,7 +133,9 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
 }
 
 template <class Real>
-void FastOperator<Real>::set_groups(const GroupRows& g) {
+void FastOperator<Real>::set_groups(const ElasticSystem& system) {
+  const GroupRows& g = system.groups;
+  group_sums_ = system.group_sums;
   groups_.row_begin = g.row_begin;
   groups_.row_dof = g.row_dof;
   groups_.dof_begin = g.dof_begin;
@@ -191,16 +194,8 @@ void FastOperator<Real>::band(const ExecSpace& exec, const Real* x, Real* y, boo
 
 template <class Real>
 void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const {
-  if (groups_.stiffness.extent(0) == 0) return;
-  find_group_forces(exec, x, sign);
-  if (dofs_.halo()) dofs_.halo()->sum(groups_.scratch.data(), groups_.scratch.extent(0));
-  add_group_forces(exec, y);
-}
-
-/// Finds the group forces by this rank's share of the gaps.
-template <class Real>
-void FastOperator<Real>::find_group_forces(const ExecSpace& exec, const Real* x, Real sign) const {
   const Groups r = groups_;
+  if (r.stiffness.extent(0) == 0) return;
   Kokkos::parallel_for(
       "cgcontact::fast_operator::group_gaps",
       Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(r.stiffness.extent(0))), KOKKOS_LAMBDA(const int g) {
@@ -209,11 +204,7 @@ void FastOperator<Real>::find_group_forces(const ExecSpace& exec, const Real* x,
           for (int e = r.row_begin(g); e < r.row_begin(g + 1); ++e) gap += r.row_value(e) * x[r.row_dof(e)];
         r.scratch(g) = sign * r.stiffness(g) * gap;
       });
-}
-
-template <class Real>
-void FastOperator<Real>::add_group_forces(const ExecSpace& exec, Real* y) const {
-  const Groups r = groups_;
+  if (group_sums_) group_sums_->sum(exec, r.scratch.data());
   const int num_dofs = static_cast<int>(r.dof_list.extent(0));
   Kokkos::parallel_for(
       "cgcontact::fast_operator::group_forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_dofs),
@@ -240,15 +231,6 @@ void FastOperator<Real>::residual(const ExecSpace& exec, const ConstVectorView& 
   band<true>(exec, x.data(), r.data(), true, true);
   groups(exec, x.data(), r.data(), Real(-1));
   apply_constraints_transposed(exec, dofs_, r);
-}
-
-template <class Real>
-void FastOperator<Real>::begin_residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x,
-                                        const VectorView& r) const {
-  stencil<true>(exec, x.data(), b.data(), r.data());
-  band<true>(exec, x.data(), r.data(), true, true);
-  apply_constraints_transposed(exec, dofs_, r);  // groups have entries at free nodes only
-  find_group_forces(exec, x.data(), Real(-1));
 }
 
 template <class Real>

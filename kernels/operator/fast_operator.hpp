@@ -37,19 +37,12 @@ class FastOperator {
   const Sizes& sizes() const { return sizes_; }
 
   /// Takes over rows and stiffnesses.
-  void set_groups(const GroupRows& groups);
+  void set_groups(const ElasticSystem& system);
 
   /// y = A x. x is consistent, b, y and r are zero at constrained nodes (DofMap).
   void apply(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
   /// r = b - A x. r may be b.
   void residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x, const VectorView& r) const;
-
-  /// Computes the residual on several ranks in two halves: r without the forces of the contact groups, of whose forces
-  /// every rank has its share in group_forces(); once these are summed over all ranks, they are added to r.
-  void begin_residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x,
-                      const VectorView& r) const;
-  const VectorView& group_forces() const { return groups_.scratch; }
-  void finish_residual(const ExecSpace& exec, const VectorView& r) const { add_group_forces(exec, r.data()); }
 
   /// Terms of y = A x: the first assigns (zero at nodes outside of the stencil), the others add.
   void apply_stencil(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
@@ -70,8 +63,6 @@ class FastOperator {
   template <bool subtract>
   void band(const ExecSpace& exec, const Real* x, Real* y, bool cells, bool ghosts) const;
   void groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const;
-  void find_group_forces(const ExecSpace& exec, const Real* x, Real sign) const;
-  void add_group_forces(const ExecSpace& exec, Real* y) const;
 
   void gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const;
 
@@ -86,6 +77,7 @@ class FastOperator {
   BandCells<Real> cells_;
   GhostChains<Real> ghosts_;
   Groups groups_;
+  std::shared_ptr<const RowSums> group_sums_;
   Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace> other_nodes_;  ///< (range, first and length): not by stencil
   IntView slabs_[2];                                                   ///< of each colour
   Kokkos::View<Real*, MemSpace> stencil_diagonal_;                     ///< per body

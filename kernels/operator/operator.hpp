@@ -20,7 +20,7 @@ class ElasticityOperator : public TpetraOperator {
       : operator_(system), map_(std::move(map)) {}
 
   /// Takes over the present stiffness of the contact groups.
-  void update_groups(const ElasticSystem& system) { operator_.set_groups(system.groups); }
+  void update_groups(const ElasticSystem& system) { operator_.set_groups(system); }
   const FastOperator<double>& kernel() const { return operator_; }
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override { return map_; }

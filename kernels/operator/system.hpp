@@ -1,6 +1,7 @@
 /// All bodies' stiffness, ghost penalty, supports and contact terms as one linear system (dimensionless, Scales).
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct SupportTerm {
   bool thin = false;  ///< the body is about one cell thick: the smoother holds the support's unknowns together
   bool soft = false;  ///< holds what contact alone holds: firm on coarse grids (RigidCoarseSpace)
 };
+
+class RowSums;
 
 /// One contact group: mean normal gap over a boundary facet in a cell of the coarser body, as a sparse row on the DoFs.
 struct GroupRow {
@@ -44,6 +47,9 @@ struct ElasticSystem {
   std::vector<Material> materials;
   Scales scales;
   GroupRows groups;
+  /// Of a system of several ranks, where rows have entries at own nodes only: sums of the rows that ranks share;
+  /// nullptr: none are shared.
+  std::shared_ptr<const RowSums> group_sums;
   std::vector<GroupRow> group_rows;          ///< host copy of the rows of `groups`
   std::vector<double> full_group_stiffness;  ///< of each group when closed
   /// Flags of groups whose row has changed since the solver was last updated; empty: none has.

@@ -5,6 +5,7 @@
 
 #include "core/base/ranks.hpp"
 #include "kernels/mesh/hanging_nodes.hpp"
+#include "kernels/mesh/row_sums.hpp"
 
 namespace cgcontact {
 namespace {
@@ -244,8 +245,23 @@ void RankShare::record_counts() const {
 }
 
 void RankShare::set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows) {
-  if (!same_rows) set_group_rows(system_, own_entries(rows));
+  if (!same_rows) {
+    set_group_rows(system_, own_entries(rows));
+    set_group_sums();
+  }
   set_group_stiffness(system_, stiffness);
+}
+
+void RankShare::set_group_sums() {
+  std::vector<int> own, shared;
+  for (std::size_t g = 0; g < system_.group_rows.size(); ++g)
+    if (!system_.group_rows[g].entries.empty()) own.push_back(static_cast<int>(g));
+  const std::vector<RowPart> parts = parts_of_shared_rows(own);
+  system_.group_sums.reset();
+  if (parts.empty()) return;
+  for (const RowPart& part : parts)
+    if (part.rank == this_rank()) shared.push_back(part.row);
+  system_.group_sums = std::make_shared<const RowSums>(system_.dofs.halo()->comm(), parts, shared);
 }
 
 std::vector<GroupRow> RankShare::own_entries(const std::vector<GroupRow>& rows) const {

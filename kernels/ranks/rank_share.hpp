@@ -1,7 +1,7 @@
 /// Share of a system that one rank works on: the cells around its own nodes and those of their ghost faces, as a system
 /// of its own with its own numbers. Forces on its own nodes are complete: ranks exchange displacements (Halo), and both
 /// compute a cell on the border between them. The rows of contact groups keep only entries at the rank's own nodes;
-/// their gaps are summed over the ranks.
+/// their gaps are summed over the ranks that share them (RowSums).
 #pragma once
 
 #include <memory>
@@ -27,6 +27,7 @@ class RankShare {
   void record_counts() const;
 
   /// Takes over the rows of the contact groups of the whole system, unless it has the same, and their stiffness.
+  /// Collective.
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows);
   /// Returns rows with the entries at own nodes alone, in local numbers.
   std::vector<GroupRow> own_entries(const std::vector<GroupRow>& rows) const;
@@ -42,6 +43,7 @@ class RankShare {
   void drop_cells();
 
  private:
+  void set_group_sums();
   template <class View>
   void copy_to_local(const View& whole, const View& local) const;
   template <class View>

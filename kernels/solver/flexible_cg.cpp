@@ -4,6 +4,7 @@
 #include <BelosStatusTestCombo.hpp>
 #include <BelosStatusTestOutputFactory.hpp>
 #include <Teuchos_TimeMonitor.hpp>
+#include <array>
 #include <cmath>
 
 #include "core/base/ranks.hpp"
@@ -14,14 +15,25 @@ namespace cgcontact {
 using Teuchos::RCP;
 using Teuchos::rcp;
 
-double ordered_product(const TpetraVector& x, const TpetraVector& y) {
+namespace {
+
+/// Products of one vector with others, by one sum over all ranks.
+template <std::size_t count>
+std::array<double, count> ordered_products(const TpetraVector& x,
+                                           const std::array<const TpetraVector*, count>& others) {
   const auto local = [](const TpetraVector& v) {
     return Kokkos::subview(v.getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
   };
-  double sum = dot(TpetraVector::execution_space(), local(x), local(y));  // the instance of Tpetra's own vector work
-  if (x.getMap()->isDistributed()) sum_over_ranks(&sum, 1);
-  return sum;
+  std::array<double, count> sums;
+  for (std::size_t k = 0; k < count; ++k)  // by the instance of Tpetra's own vector work
+    sums[k] = dot(TpetraVector::execution_space(), local(x), local(*others[k]));
+  if (x.getMap()->isDistributed()) sum_over_ranks(sums.data(), count);
+  return sums;
 }
+
+}  // namespace
+
+double ordered_product(const TpetraVector& x, const TpetraVector& y) { return ordered_products<1>(x, {&y})[0]; }
 
 FlexibleCgIter::FlexibleCgIter(RCP<Problem> problem, RCP<StatusTest> test)
     : problem_(std::move(problem)), test_(std::move(test)) {}
@@ -53,10 +65,11 @@ void FlexibleCgIter::iterate() {
     precondition(r, z);
     p.update(1, z, iterations_ == 0 ? 0 : -ordered_product(z, q) / energy_);
     problem_->applyOp(p, q);
-    energy_ = ordered_product(p, q);
+    const auto [energy, slope] = ordered_products<2>(p, {&q, &r});
+    energy_ = energy;
     broke_down_ = !(energy_ > 0);
     if (broke_down_) return;
-    const double step = ordered_product(p, r) / energy_;
+    const double step = slope / energy_;
     x->update(step, p, 1);
     r.update(-step, q, 1);
     ++iterations_;

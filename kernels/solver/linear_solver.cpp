@@ -292,7 +292,7 @@ double LinearSolver::energy(const RealView& whole) const {
   const RealView zero("cgcontact::linear_solver::zero", x.size()), Ax("cgcontact::linear_solver::Ax", x.size());
   impl_->op->kernel().residual(exec, zero, x, Ax);  // -A x
   double sum = -dot(exec, x, Ax);
-  if (share) share->system().dofs.halo()->sum(&sum, 1);
+  if (share) sum_over_ranks(&sum, 1);
   return sum;
 }
 

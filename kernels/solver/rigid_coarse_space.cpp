@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/decompositions.hpp"
+#include "core/base/ranks.hpp"
 #include "kernels/mesh/node_sums.hpp"
 
 namespace cgcontact {
@@ -168,7 +169,7 @@ void RigidCoarseSpace::correct(const Forces& r, const RealView& z) const {
       for (const auto& [dof, value] : row.entries) sum += value * z(dof);
       for (const auto& [i, a] : row.on_motions) left[i] -= row.stiffness * a * sum;
     }
-  if (share_) share_->system().dofs.halo()->sum(left.data(), static_cast<std::size_t>(left.size()));
+  if (share_) sum_over_ranks(left.data(), static_cast<std::size_t>(left.size()));
   add(energy_.solve(left), z);
 }
 

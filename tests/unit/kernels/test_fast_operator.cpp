@@ -296,7 +296,7 @@ TEST(FastOperator, GroupStiffnessCanBeChanged) {
   set_group_rows(system, {{{{0, 0.5}, {1, -0.25}, {7, 1.5}}}, {{{4, 0.5}, {5, 0.75}}}});
   FastOperator<double> fast(system);
   set_group_stiffness(system, {2.0, 1.0});
-  fast.set_groups(system.groups);
+  fast.set_groups(system);
   const RealView x = test::random_vector(system.num_dofs(), 1);
   RealView y("y", system.num_dofs()), z("z", system.num_dofs());
   PlainOperator(system).apply(ExecSpace(), x, y);

@@ -7,7 +7,9 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/ranks.hpp"
+#include "kernels/mesh/row_sums.hpp"
 #include "kernels/multigrid/multigrid.hpp"
+#include "kernels/multigrid/surface_matrix.hpp"
 #include "kernels/ranks/rank_share.hpp"
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/constrained_system.hpp"
@@ -26,7 +28,9 @@ struct Problem {
   std::vector<CutCells> cells;
   ElasticSystem system;
 
-  Problem(std::string label, std::vector<CutCells> bodies) : name(std::move(label)), cells(std::move(bodies)) {
+  /// num_rows: about so many, of cells from the first one on, of which `part` (0 to 1) have any.
+  Problem(std::string label, std::vector<CutCells> bodies, int num_rows = 40, double part = 1)
+      : name(std::move(label)), cells(std::move(bodies)) {
     std::vector<const CutCells*> pointers;
     std::vector<Material> materials;
     for (const CutCells& body : cells) {
@@ -35,7 +39,7 @@ struct Problem {
     }
     system = make_elastic_system(pointers, materials, Scales{cells[0].grid.cell_size, 1.0}, 0.01);
     for (std::size_t b = 0; b < cells.size(); ++b) hold(static_cast<int>(b));
-    add_rows();
+    add_rows(num_rows, part);
   }
 
  private:
@@ -54,18 +58,19 @@ struct Problem {
 
   /// Adds rows of cells of the first body, and of another of its cells in any order where there is one: rows that no
   /// rank owns alone.
-  void add_rows() {
+  void add_rows(int num_rows, double part) {
     std::vector<GroupRow> rows;
     const std::vector<const BodyMesh*> parts = system.level_meshes();
-    const auto entries_of = [&](const BodyMesh& part, int cell, double sign, GroupRow& row) {
-      for (const int node : part.cell_nodes[cell])
+    const auto entries_of = [&](const BodyMesh& level, int cell, double sign, GroupRow& row) {
+      for (const int node : level.cell_nodes[cell])
         for (int i = 0; i < 3; ++i)
-          if (i != part.cut_cells->grid.plane_strain)
+          if (i != level.cut_cells->grid.plane_strain)
             row.entries.emplace_back(dof_of(node, i), sign * (0.05 + 0.02 * i));
     };
     const BodyMesh &first = *parts.front(), &last = *parts.back();
-    const int step = std::max<int>(1, static_cast<int>(first.cell_nodes.size()) / 40);
-    for (int cell = 0; cell < static_cast<int>(first.cell_nodes.size()); cell += step) {
+    const int end = static_cast<int>(part * static_cast<double>(first.cell_nodes.size()));
+    const int step = std::max(1, end / num_rows);
+    for (int cell = 0; cell < end; cell += step) {
       GroupRow row;
       row.cell = cell;
       entries_of(first, cell, 1, row);
@@ -94,14 +99,16 @@ CutCells ring_in_plane_strain(int n) {
 }
 
 /// Uniform grids, levels that meet inside and at the surface, plane strain, a thin plate (columns of nodes), two
-/// bodies of which one has fewer cells than there are ranks.
+/// bodies of which one has fewer cells than there are ranks, ranks without contact.
 std::vector<Problem> problems() {
   const Solid ball = Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.42, "ball");
   const Solid box = Solid::box(Vec3(0.1, 0.15, 0.2), Vec3(0.9, 0.8, 0.75), "box");
   const Solid plate = Solid::box(Vec3(0, 0, 0), Vec3(1, 1, 0.12), "plate");
   const Solid crumb = Solid::sphere(Vec3(0.5, 0.5, 1.0), 0.04, "crumb");
   std::vector<Problem> all;
-  const auto add = [&](const char* name, std::vector<CutCells> cells) { all.emplace_back(name, std::move(cells)); };
+  const auto add = [&](const char* name, std::vector<CutCells> cells, double part = 1) {
+    all.emplace_back(name, std::move(cells), 40, part);
+  };
   all.reserve(8);
   add("ball", {test::cut(ball, test::odd_grid(13, 0.4))});
   add("ball and box", {test::cut(ball, test::odd_grid(11, 0.7)), test::cut(box, test::odd_grid(9, 0.2))});
@@ -110,6 +117,7 @@ std::vector<Problem> problems() {
   add("plane strain", {ring_in_plane_strain(17)});
   add("plate", {test::cut(plate, test::odd_grid(16, 0))});
   add("ball and crumb", {test::cut(ball, test::odd_grid(12, 0.4)), test::cut(crumb, test::odd_grid(12, 0))});
+  add("contact at one end", {test::cut(box, test::odd_grid(14, 0.2))}, 0.05);
   return all;
 }
 
@@ -236,6 +244,114 @@ TEST(Ranks, OperatorIsThatOfTheWhole) {
     double energy = test::dot(own_x, own_y);
     sum_over_ranks(&energy, 1);
     EXPECT_NEAR(energy, test::dot(x, expected), 1e-13 * std::abs(energy)) << problem.name;
+  }
+}
+
+/// Parts of rows that some ranks have, added up: the same bits on all of them, in the order of the ranks.
+TEST(Ranks, SumsOfSharedRows) {
+  if (num_ranks() == 1) GTEST_SKIP() << "one rank";
+  constexpr int num_rows = 30;
+  const auto has = [](int row, int rank) { return row % 5 == 0 ? rank == 1 : (row + rank) % 3 != 0; };
+  const auto part = [](int row, int rank) { return 0.1 * row + 1.0 / (rank + 3); };
+  std::vector<int> own, shared;
+  for (int row = 0; row < num_rows; ++row)
+    if (has(row, this_rank())) own.push_back(row);
+  const std::vector<RowPart> parts = parts_of_shared_rows(own);
+  std::vector<int> wanted;  // also rows of others
+  for (const RowPart& p : parts) {
+    EXPECT_NE(p.row % 5, 0);
+    EXPECT_TRUE(has(p.row, p.rank));
+    if (p.row % 2 == 0 && (wanted.empty() || wanted.back() != p.row)) wanted.push_back(p.row);
+  }
+  const RowSums sums(Tpetra::getDefaultComm(), parts, wanted);
+  const RealView values("values", num_rows);
+  for (const int row : own) values(row) = part(row, this_rank());
+  sums.sum(ExecSpace(), values.data());
+  ExecSpace().fence();
+  for (const int row : wanted) {
+    double expected = 0;
+    for (int rank = 0; rank < num_ranks(); ++rank)
+      if (has(row, rank)) expected += part(row, rank);
+    EXPECT_EQ(values(row), expected) << row;
+  }
+}
+
+/// A chain of rows, of which each rank has a stretch: the inverse of the whole, by messages to both neighbours at most
+/// where the stretches are long, and by none where one rank has all.
+TEST(Ranks, SurfaceMatrixIsThatOfTheWhole) {
+  if (num_ranks() == 1) GTEST_SKIP() << "one rank";
+  for (const auto& [num_rows, first_rank_alone] :
+       {std::pair{7, false}, std::pair{60, false}, std::pair{1600, false}, std::pair{60, true}}) {
+    SurfaceMatrix<double>::Entries whole, own;
+    const RealView all("all", num_rows), g("g", num_rows);
+    std::vector<char> is_own(num_rows, 0);
+    for (int row = 0; row < num_rows; ++row) whole.emplace_back(row, row, 1);
+    for (int row = 0; row + 1 < num_rows; ++row) {
+      const int rank = first_rank_alone ? 0 : row * num_ranks() / num_rows;
+      const double k = 2 + row % 3;
+      for (auto* entries : {&whole, &own}) {
+        if (entries == &own && rank != this_rank()) continue;
+        entries->emplace_back(row, row, k);
+        entries->emplace_back(row + 1, row + 1, k);
+        entries->emplace_back(row + 1, row, 0.9 * k);
+      }
+      for (const RealView& vector : {all, g}) {
+        if (vector.data() == g.data() && rank != this_rank()) continue;
+        vector(row) += 1 + 0.1 * row;
+        vector(row + 1) -= 0.3;
+        if (vector.data() == g.data()) is_own[row] = is_own[row + 1] = 1;
+      }
+    }
+    const SurfaceMatrix<double> matrix(num_rows, own, Tpetra::getDefaultComm());
+    SurfaceMatrix<double>(num_rows, whole).solve(ExecSpace(), all);
+    const double before = work_of_rank().messages;
+    matrix.solve(ExecSpace(), g);
+    const double messages = work_of_rank().messages - before;
+    for (int row = 0; row < num_rows; ++row)
+      if (is_own[row]) {
+        EXPECT_NEAR(g(row), all(row), 1e-12 * (1 + 0.1 * num_rows)) << num_rows << ", " << row;
+      }
+    EXPECT_LE(messages, first_rank_alone ? 0 : num_rows == 1600 ? 2 : num_ranks() - 1);
+  }
+}
+
+/// What iterations have taken.
+struct Work {
+  double sums, bytes;
+  std::vector<long long> cycles;
+};
+
+Work work_of_iterations(const ElasticSystem& system, int count) {
+  LinearSolver solver(ExecSpace(), system, Preconditioner::multigrid, 0);
+  solver.update();
+  const RealView b = random_force(system, 8), x("x", b.extent(0));
+  const RankWork before = work_of_rank();
+  EXPECT_EQ(solver.solve(b, x, 0, count).iterations, count);
+  const RankWork& now = work_of_rank();
+  return {now.reductions - before.reductions, now.reduced_bytes - before.reduced_bytes, solver.report().cycles};
+}
+
+/// A CG iteration takes four sums over all ranks, and each step on a coarse grid one to three; they are scalar
+/// products, however many contact rows there are, and whether a rank has any.
+TEST(Ranks, SumsOverAllRanksAreFewAndSmall) {
+  if (num_ranks() == 1) GTEST_SKIP() << "one rank";
+  constexpr int most_at_once = 5;  // products
+  const Solid ball = Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.42, "ball");
+  const Solid box = Solid::box(Vec3(0.1, 0.15, 0.2), Vec3(0.9, 0.8, 0.75), "box");
+  for (const auto& [num_rows, part] : {std::pair{40, 1.0}, std::pair{1000, 1.0}, std::pair{100, 0.05}}) {
+    const Problem problem("ball and box",
+                          {test::cut(ball, test::odd_grid(22, 0.7)), test::cut(box, test::odd_grid(18, 0.2))}, num_rows,
+                          part);
+    const Work two = work_of_iterations(problem.system, 2), three = work_of_iterations(problem.system, 3);
+    ASSERT_GT(three.cycles.size(), 2u);
+    double steps = 0;
+    for (std::size_t l = 1; l + 1 < three.cycles.size(); ++l)
+      steps += static_cast<double>(three.cycles[l] - two.cycles[l]);
+    const double sums = three.sums - two.sums;
+    EXPECT_GE(sums, 4 + steps) << num_rows;
+    EXPECT_LE(sums, 4 + 2 * steps) << num_rows;
+    EXPECT_LE(sums, 10) << num_rows;
+    EXPECT_LE(three.bytes - two.bytes, sums * most_at_once * sizeof(double)) << num_rows;
   }
 }
 
