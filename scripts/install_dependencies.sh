@@ -5,6 +5,7 @@
 #   scripts/install_dependencies.sh --test     what the tests use as well, and ccache
 #   scripts/install_dependencies.sh --docs     doxygen as well
 #   scripts/install_dependencies.sh --format   clang-format as well
+#   scripts/install_dependencies.sh --tidy     clang-tidy as well
 #   scripts/install_dependencies.sh --wheel    what make wheel uses as well
 #   scripts/install_dependencies.sh --fuzz     clang with libFuzzer as well
 #   scripts/install_dependencies.sh --tsan     clang with its OpenMP and thread sanitizer as well
@@ -31,11 +32,12 @@ for option in "$@"; do
       chromium chromium-driver python3-selenium) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
+    --tidy) packages+=(clang-tidy-14) ;;
     --wheel) packages+=(python3-wheel) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
     --tsan) packages+=(clang-14 libclang-rt-14-dev libomp-14-dev) ;;
     --trilinos) packages+=(dpkg-dev xz-utils libblas-dev liblapack-dev) ;;
-    *) echo "usage: $0 [--test] [--docs] [--format] [--wheel] [--fuzz] [--tsan] [--trilinos]" >&2; exit 1 ;;
+    *) echo "usage: $0 [--test] [--docs] [--format] [--tidy] [--wheel] [--fuzz] [--tsan] [--trilinos]" >&2; exit 1 ;;
   esac
 done
 

@@ -205,9 +205,9 @@ std::vector<char> gather_bytes(const void* own, std::size_t size) {
 
 void put_together(void* all, std::size_t n, std::size_t size) {
   if (ranks == 1) return;
-  std::vector<std::size_t> sizes;
+  std::vector<std::size_t> sizes(ranks);
   for (int r = 0; r < ranks; ++r)
-    sizes.push_back((n * (static_cast<std::size_t>(r) + 1) / ranks - n * static_cast<std::size_t>(r) / ranks) * size);
+    sizes[r] = (n * (static_cast<std::size_t>(r) + 1) / ranks - n * static_cast<std::size_t>(r) / ranks) * size;
   gather_shares(nullptr, sizes, static_cast<char*>(all), true);
 }
 

@@ -121,9 +121,9 @@ Signature Slicer::signature(double t) {
     result.hash *= 0xbf58476d1ce4e5b9ull;
   };
   for (const Segment& a : segments) {
-    mix(static_cast<std::uint64_t>(a.begin_id + 8));
-    mix(static_cast<std::uint64_t>(a.end_id + 8));
-    mix(static_cast<std::uint64_t>(a.value + 8));
+    mix(static_cast<std::uint64_t>(a.begin_id) + 8);
+    mix(static_cast<std::uint64_t>(a.end_id) + 8);
+    mix(static_cast<std::uint64_t>(a.value) + 8);
     mix(a.mask);
     for (int id : {a.begin_id, a.end_id})
       if (id >= 0) result.used |= std::uint64_t{1} << (id / 2);

@@ -104,7 +104,7 @@ std::string format_number(double value) {
   const mu::Parser parser;
   for (const auto& entry : parser.GetFunDef()) functions.push_back(entry.first);
 
-  const std::string token = error.GetToken();
+  const std::string& token = error.GetToken();
   const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };

@@ -58,7 +58,8 @@ std::vector<JumpPlane> jump_planes(const Expression& expression, const Vec3& min
   };
   for (const Expression& f : expression.compared())
     for (int i = 0; i < samples * samples * samples; ++i) {
-      const Vec3 sample(i % samples + 0.53, i / samples % samples + 0.47, i / (samples * samples) + 0.51);
+      const int x = i % samples, y = i / samples % samples, z = i / (samples * samples);
+      const Vec3 sample(x + 0.53, y + 0.47, z + 0.51);
       add(f, min + extent.cwiseProduct(sample) / samples);
     }
   return planes;

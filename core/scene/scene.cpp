@@ -14,8 +14,10 @@ constexpr double boundary_tolerance = 1e-9;
 
 bool holds_within(const Solid& solid, const Vec3& x, double reach) {
   if (solid.contains(x)) return true;
-  for (int k = 0; k < 27; ++k)  // the cube around it
-    if (solid.contains(x + reach * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))) return true;
+  for (int i : {-1, 0, 1})  // the cube around it
+    for (int j : {-1, 0, 1})
+      for (int k : {-1, 0, 1})
+        if (solid.contains(x + reach * Vec3(i, j, k))) return true;
   return false;
 }
 

@@ -400,7 +400,7 @@ class PlyReader {
         PlyElement element;
         element.name = reader_.next_word();
         const long long count = reader_.integer("element name count");
-        if (count < 0 || count > static_cast<long long>(3 * max_triangles_of_file))
+        if (count < 0 || count > 3 * static_cast<long long>(max_triangles_of_file))
           fail(file_, reader_.line(), "cannot have so many elements");
         element.count = static_cast<std::size_t>(count);
         elements_.push_back(element);
