@@ -5,11 +5,12 @@ scripts/vary_constants.py.
 
   scripts/constants.py [--kind KIND]... [--only PATTERN] [ROOT]
 
-Read are definitions with `constexpr` of any scope and the members with a default of the structs of options in core/settings. The kind is the first that holds:
+Read are definitions with `constexpr` of any scope and the members with a default of the structs of options in core/settings. The kind is
+the first that holds:
 
   setting   member of a struct in core/settings (`cgcontact check SCENE --settings` prints them all)
-  exact     no number: text, bool, a table of whole numbers or of rows, a struct without decimal numbers; a number, or a table of some, of seven digits
-            or more: pi, Gauss points, units; an integer that is 0 or negative: a mark; or the comment says "by definition" or "exact:"
+  exact     no number: text, bool, a table of whole numbers or of rows, a struct without decimal numbers; a number, or a table of some, of seven
+            digits or more: pi, Gauss points, units; an integer that is 0 or negative: a mark; or the comment says "by definition" or "exact:"
   derived   the value has a name in it: made of other constants
   size      an integer that counts what there is or how work is divided, which no result depends on: a word of its name is among WORDS_OF_SIZES
   rounding  at most 1e-6, or 1 but for that: what is less is rounding, in double precision or in the single precision of files
@@ -28,8 +29,8 @@ LIBRARIES = ("core", "kernels", "recovery", "contact")
 KINDS = ("tuned", "setting", "rounding", "input", "drawing", "size", "derived", "exact")
 INPUT = ("core/base/", "core/scene/", "core/decks/", "core/program/", "core/results/", "contact/plausibility", "contact/results/reference")
 OPTIONS = re.compile(r"core/settings/\w+_options\.hpp")
-WORDS_OF_SIZES = {"num", "count", "size", "bit", "bits", "bytes", "lanes", "block", "chunk", "group", "thread", "leaf", "dofs", "nodes", "corners", "columns",
-                  "rows", "row", "runs", "run", "slabs", "n", "degree", "index", "grain", "alignment", "cache", "header", "once"}
+WORDS_OF_SIZES = {"num", "count", "size", "bit", "bits", "bytes", "lanes", "block", "chunk", "group", "thread", "leaf", "dofs", "nodes", "corners",
+                  "columns", "rows", "row", "runs", "run", "slabs", "n", "degree", "index", "grain", "alignment", "cache", "header", "once"}
 SINGLE_PRECISION = 1e-6
 NUMBER = r"\d(?:[\w.]|'\w|(?<=[eE])[+-])*|\.\d[\w]*"
 # What is no code: blanked out, so that places stay the same. Numbers first: they may hold apostrophes.

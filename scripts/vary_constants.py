@@ -13,8 +13,8 @@ in headers that nearly all files include: each takes a whole build.
   force, pressure (largest), outer, linear (iterations), estimates (all estimated errors), verdict, warnings, exit (code), residuals (of the outer
   iteration), other (anything else, with its place)
 
-What is done stands in DIR/results.jsonl, a line for each constant: started again, the script takes it over and goes on, unless sources, scenes, factor
-or --command have changed. --again takes nothing over; --summary only prints what stands there. Ctrl-C and SIGTERM leave the copy as it was; after a
+What is done stands in DIR/results.jsonl, a line for each constant: started again, the script takes it over and goes on, unless sources, scenes,
+factor or --command have changed. --again takes nothing over; --summary only prints what stands there. Ctrl-C and SIGTERM leave the copy as it was; after a
 crash the next start restores it.
 
   scripts/vary_constants.py --build /tmp/vary --only contact/model/indentation scenes/two_solids.toml tests/scenes/pin.toml
@@ -45,6 +45,7 @@ FIGURES = {"force": re.compile(r"^contact\[\d+\]\.(normal_force|force\b)"), "pre
            "outer": re.compile(r"^outer_iterations$"), "linear": re.compile(r"^linear_iterations$"), "residuals": re.compile(r"residual"),
            "estimates": re.compile(r"error"), "verdict": re.compile(r"^(verdict\.|converged$|diagnosis$|accuracy\.(reached|text)$)"),
            "warnings": re.compile(r"^warnings$"), "exit": re.compile(r"^exit$")}
+MARK = "made_by_vary_constants"  # file in DIR, where the script may write and delete
 PATIENCE, MOMENT = 10, 60  # limit of a run: so many times that of the unchanged program, and s
 
 
@@ -143,7 +144,8 @@ class Variation:
         self.results = self.build / "results.jsonl"
         self.copy_sources()
         # A scene is known by its file and what lies beside it is taken to be as it was.
-        of_sources = b"".join((ROOT / file).read_bytes() for file in self.files if file.startswith(tuple(f"{library}/" for library in constants.LIBRARIES)))
+        libraries = tuple(f"{library}/" for library in constants.LIBRARIES)
+        of_sources = b"".join((ROOT / file).read_bytes() for file in self.files if file.startswith(libraries))
         of_scenes = b"".join(str(scene).encode() + scene.read_bytes() for scene in self.scenes)
         self.version = hashlib.sha256(of_sources + of_scenes + f"{options.vary} {self.command}".encode()).hexdigest()[:16]
 
@@ -156,6 +158,10 @@ class Variation:
             if not there.is_file() or there.read_bytes() != (ROOT / file).read_bytes():
                 there.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(ROOT / file, there)
+        known = {self.source / file for file in self.files}
+        for there in self.source.rglob("*"):
+            if not there.is_dir() and there not in known:
+                there.unlink()
 
     def make(self):
         """Builds the program from the copy."""
@@ -267,8 +273,8 @@ def parse():
     for scene in options.scenes:
         if not scene.is_file():
             parser.error(f"{scene}: no such file (allowed: scenes)")
-    if (options.build / "CMakeCache.txt").is_file() and not (options.build / "source").is_dir():
-        parser.error(f"--build {options.build}: is the build of other sources (allowed: a new directory, or one that this script has made)")
+    if options.build.exists() and not (options.build / MARK).is_file() and (not options.build.is_dir() or any(options.build.iterdir())):
+        parser.error(f"--build {options.build}: holds something else (allowed: a new or empty directory, or one that this script has made)")
     return options
 
 
@@ -307,6 +313,7 @@ def main():
         sys.exit(128 + number)
     signal.signal(signal.SIGTERM, stop)
     options.build.mkdir(parents=True, exist_ok=True)
+    (options.build / MARK).touch()
     try:
         work(options, Variation(options))
     except Failed as error:

@@ -123,7 +123,8 @@ class Constants(unittest.TestCase):
         self.assertIn("dead = 4: does not build", lines[0])
         self.assertEqual(lines[1], "1 of 1 constants varied: 0 change nothing, 1 could not be varied")
         self.lines("--vary", "1", code=2)
-        self.lines("--build", self.tree, "nowhere.toml", code=2)
+        self.lines("nowhere.toml", code=2)
+        self.lines("--build", self.tree, code=2)  # where other files are
 
 
 if __name__ == "__main__":
