@@ -14,8 +14,8 @@ in headers that nearly all files include: each takes a whole build.
   iteration), other (anything else, with its place)
 
 What is done stands in DIR/results.jsonl, a line for each constant: started again, the script takes it over and goes on, unless sources, scenes,
-factor or --command have changed. --again takes nothing over; --summary only prints what stands there. Ctrl-C and SIGTERM leave the copy as it was; after a
-crash the next start restores it.
+factor or --command have changed. --again takes nothing over; --summary only prints what stands there. Ctrl-C and SIGTERM leave the copy as it was; after
+a crash the next start restores it.
 
   scripts/vary_constants.py --build /tmp/vary --only contact/model/indentation scenes/two_solids.toml tests/scenes/pin.toml
 """
