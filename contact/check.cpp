@@ -127,7 +127,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
 
 std::string describe_settings(const Scene& scene) {
   return scene.geometry.print() + scene.contact.print() + scene.solver.print() + scene.recovery.print() +
-         scene.results.print() + (scene.accuracy.any() ? scene.accuracy.print() : "");
+         scene.results.print() + scene.accuracy.print() + scene.output.print();
 }
 
 }  // namespace cgcontact

@@ -12,7 +12,8 @@ namespace cgcontact {
 /// Describes bodies with volume, faces, cells and unknowns; pairs; expected memory. A few lines per body.
 std::string describe(const Scene& scene, const Preparation& preparation);
 
-/// Lists the settings of the method, as TOML; those that no scene can set are comments.
+/// Lists the settings of all stages as TOML, with their defaults, ranges and meanings; those that no scene can set are
+/// comments.
 std::string describe_settings(const Scene& scene);
 
 /// Draws the scene on its grids into `directory` (core/output/output_check.hpp).

@@ -21,9 +21,6 @@ namespace {
 /// Fraction of all loads that may act along a surface on which a body slides: a face may end between quadrature points.
 constexpr double max_load_along_surface = 1e-3;
 
-/// Fraction of all loads below which no motion is driven. They are integrated to 1e-9.
-constexpr double no_load = 1e-7;
-
 /// For each body the least Young's modulus of those that contact pairs join to it, directly or over others, Pa.
 std::vector<double> softest_moduli(const Preparation& p) {
   std::vector<double> moduli;

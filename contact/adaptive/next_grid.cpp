@@ -6,13 +6,14 @@
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
 #include "contact/results/open_gaps.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
 
 /// Halvings of a cell of at most `largest` that end with `smallest`.
 int halvings(double largest, double smallest) {
-  return std::max(0, static_cast<int>(std::floor(std::log2(largest / smallest) + 1e-9)));
+  return std::max(0, static_cast<int>(std::floor(std::log2(largest / smallest) + rounding)));
 }
 
 /// The larger one; what is no number is worse than any.

@@ -5,7 +5,6 @@
 
 #include "contact/model/gap_samples.hpp"
 #include "contact/model/indentation.hpp"
-#include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "recovery/face/connected_sets.hpp"
 #include "recovery/face/symmetry_planes.hpp"
@@ -165,10 +164,7 @@ class Overlap {
         second += s.area * (x * x.transpose() + s.area / 12 * Mat3::Identity());
       }
     }
-    const Vec3 mean = first / area;
-    const SymmetricEigen<3> solver(second / area - mean * mean.transpose());
-    const double largest = solver.eigenvalues()[2];
-    return {4 * std::sqrt(largest), 4 * std::sqrt(std::max(solver.eigenvalues()[1], 1e-8 * largest))};
+    return axes_of_overlap(area, first, second);
   }
 
   const SolvedState& state_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "recovery/face/zone_border.hpp"
+#include "recovery/patch/boundary_data.hpp"
 
 namespace cgcontact {
 namespace {

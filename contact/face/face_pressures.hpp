@@ -10,9 +10,6 @@
 
 namespace cgcontact {
 
-/// Cosine between the normals of faces that look the same way.
-constexpr double same_side = 0.5;
-
 /// A pressure and what it may be off, Pa.
 struct PressureOnFace {
   double pressure = 0, error = 0;

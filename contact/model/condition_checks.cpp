@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
+
 namespace cgcontact {
 namespace {
 
 /// Directions with a larger cosine are one.
-constexpr double parallel = 1 - 1e-9;
-/// Relative difference of displacements that is rounding.
-constexpr double equal_displacement = 1e-9;
+constexpr double parallel = 1 - rounding;
 
 struct HeldBy {
   int support;
@@ -28,7 +28,7 @@ bool is_held(const Scene& scene, const std::vector<HeldBy>& held, const HeldBy& 
   for (const auto& [support, a] : held) {
     const double cosine = a.direction.dot(b.direction), value = cosine < 0 ? -b.value : b.value;
     if (std::abs(cosine) < parallel) continue;
-    if (std::abs(a.value - value) <= equal_displacement * (std::abs(a.value) + std::abs(value))) return true;
+    if (std::abs(a.value - value) <= rounding * (std::abs(a.value) + std::abs(value))) return true;
     throw InputError(
         scene.supports[by.support].location, "",
         fmt::format("prescribes {:g} m where the support of {} prescribes {:g} m in the same direction, at "

@@ -11,6 +11,7 @@
 #include "contact/model/press_direction.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
+#include "core/base/rounding.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
@@ -18,8 +19,6 @@ namespace {
 
 /// Relative difference of cell sizes that is rounding.
 constexpr double equal_cells = 1e-12;
-/// Faces of the larger cells: automatic pairs that see each other over less than that do so by rounding.
-constexpr double min_area = 1e-9;
 /// Rigid bodies touch if they are nearer to each other than that, cells.
 constexpr double touching = 1e-3;
 /// Most ends of the other body's faces in a cell at which the contact is divided; with more (threads, scans) it ends
@@ -72,8 +71,9 @@ std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCel
   for (int d = 0; d < 3; ++d) {
     if (other.is_quadtree() && d == other.plane_strain) continue;  // there is one layer of cells
     const double norm = to_other.row(d).norm();
-    const int first = static_cast<int>(std::ceil(std::max(low[d] * halvings + 1e-9, 0.0)));
-    const int last = static_cast<int>(std::floor(std::min(high[d] * halvings - 1e-9, halvings * other.num_cells[d])));
+    const int first = static_cast<int>(std::ceil(std::max(low[d] * halvings + rounding, 0.0)));
+    const int last =
+        static_cast<int>(std::floor(std::min(high[d] * halvings - rounding, halvings * other.num_cells[d])));
     for (int k = first; k <= last; ++k)
       planes.push_back({to_other.row(d).transpose() / norm, (k / halvings - shift[d]) / norm});
   }
@@ -85,8 +85,8 @@ bool is_own_plane(const Solid& solid, const Plane& plane) {
   return std::any_of(solid.surfaces().begin(), solid.surfaces().end(), [&](const Surface& s) {
     if (s.kind != Surface::Kind::plane) return false;
     const double cosine = s.direction.dot(plane.normal);
-    return std::abs(cosine) > 1 - 1e-9 &&
-           std::abs(std::copysign(1.0, cosine) * plane.offset - s.direction.dot(s.point)) < 1e-9;
+    return std::abs(cosine) > 1 - rounding &&
+           std::abs(std::copysign(1.0, cosine) * plane.offset - s.direction.dot(s.point)) < rounding;
   });
 }
 
@@ -106,7 +106,7 @@ std::vector<Plane> other_face_borders(const BodyModel& body, int cell, int surfa
     if (std::abs(normal.dot(own.direction)) > 0.9) continue;  // no border, or one that the ray meets elsewhere
     const double offset = normal.dot(grid.to_grid(other_grid.to_global(s.point)));
     const double middle = normal.dot(centre);
-    if (std::abs(offset - middle) > 0.5 * size * normal.cwiseAbs().sum() - 1e-9) continue;
+    if (std::abs(offset - middle) > 0.5 * size * normal.cwiseAbs().sum() - rounding) continue;
     if (!is_own_plane(body.cut_cells.solid, {normal, offset})) planes.push_back({normal, offset});
   }
   return planes;
@@ -130,9 +130,6 @@ struct SurfacePoints {
   std::vector<ContactPoint> points;
   FacingNormals normals;
 };
-
-/// Cosine between the direction of a gap and faces that it is measured from.
-constexpr double min_gap_cosine = 0.1;
 
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
 /// `borders`: of the opposite face, as seen from the surface.
@@ -159,7 +156,7 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
     double cosine = 1;
     if (!direction.isZero()) {
       cosine = point.normal.dot(direction);
-      if (cosine < min_gap_cosine) continue;
+      if (cosine < min_facing_cosine) continue;
       point.normal = direction;
     }
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
@@ -497,9 +494,9 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
               ? fmt::format("faces closer than search_distance = {:g} m along the normal", pair.spec->search_distance)
               : "faces that see each other along the normal");
   const auto sees_nothing = [&](const ContactPair& pair) {
-    double area = 0;
+    double area = 0;  // faces of the larger cells
     for (const ContactGroup& group : pair.groups) area += group.area / std::pow(group.larger_cell, 2);
-    return pair.spec->automatic && area < min_area;
+    return pair.spec->automatic && area < rounding;
   };
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
   std::vector<ContactPoints*> points;

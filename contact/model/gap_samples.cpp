@@ -19,8 +19,6 @@ constexpr double resolved_fraction = 0.1;
 constexpr double min_depth = 1e-5;
 constexpr int max_levels = 14;
 constexpr std::size_t max_leaves = 8192;
-/// Cosine between the group's mean normal and surfaces that face it.
-constexpr double min_facing_cosine = 0.1;
 
 /// Square of the plane across the group's mean normal, with the samples in the middles of its quarters.
 struct SampleLeaf {

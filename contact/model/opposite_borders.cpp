@@ -2,13 +2,11 @@
 
 #include <cmath>
 
+#include "contact/model/opposite_points.hpp"
+#include "core/base/rounding.hpp"
+
 namespace cgcontact {
 namespace {
-
-/// Cosines below this are rounding of a right angle.
-constexpr double right_angle = 1e-9;
-/// Faces that see each other at a steeper angle are no opposites (find_opposite).
-constexpr double facing = 0.1;
 
 /// Plane of the grid of one body in the coordinates of another's.
 Plane moved(const Plane& plane, const Grid& from, const Grid& to) {
@@ -38,7 +36,7 @@ std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutC
   const Surface& s = own.solid.surfaces()[surface];
   for (const Plane& divider : dividers) {
     const Plane border = moved(divider, other.grid, own.grid);
-    if (s.kind != Surface::Kind::plane || std::abs(border.normal.dot(s.direction)) < right_angle) {
+    if (s.kind != Surface::Kind::plane || std::abs(border.normal.dot(s.direction)) < rounding) {
       borders.push_back(border);
       continue;
     }
@@ -46,9 +44,9 @@ std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutC
       const Surface& opposite = other.solid.surfaces()[i];
       if (opposite.kind != Surface::Kind::plane || !divider.divides(static_cast<int>(i))) continue;
       const Plane plane = moved({opposite.direction, opposite.direction.dot(opposite.point)}, other.grid, own.grid);
-      if (std::abs(plane.normal.dot(s.direction)) < facing) continue;
+      if (std::abs(plane.normal.dot(s.direction)) < min_facing_cosine) continue;
       const Plane seen = seen_along(s.direction, border, plane.normal, plane.offset);
-      if (seen.normal.cross(s.direction).norm() > right_angle) borders.push_back(seen);
+      if (seen.normal.cross(s.direction).norm() > rounding) borders.push_back(seen);
     }
   }
   if (face.normal_cone) {

@@ -63,7 +63,7 @@ std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel
   for (const Crossing& crossing : crossings) {
     if (crossing.t > reach.ahead / grid.cell_size || crossing.t < -reach.behind / grid.cell_size) continue;
     if (best && std::abs(crossing.t) >= std::abs(best->distance)) continue;
-    if (crossing.normal.dot(line.direction) > -0.1) continue;  // does not face this point
+    if (crossing.normal.dot(line.direction) > -min_facing_cosine) continue;  // does not face this point
     if (is_hidden(crossings, crossing.t)) continue;
     const Vec3 y = line.origin + crossing.t * line.direction;
     if (!face.contains(solid.surfaces()[crossing.surface].names, grid.to_global(y), grid.rotation * crossing.normal))

@@ -16,6 +16,9 @@ struct Reach {
 /// Cells, from a surface into the body: less than the thinnest cells that are kept, more than rounding of positions.
 constexpr double inward_step = 1e-12;
 
+/// Least cosine between a direction and the faces that it is seen from or met on: steeper ones are no opposites.
+constexpr double min_facing_cosine = 0.1;
+
 /// Point of another body's boundary met along a normal.
 struct OppositePoint {
   double distance;  ///< m, along the ray (negative: the bodies overlap there)

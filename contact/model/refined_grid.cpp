@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/memory.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/text.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/cells/size_field.hpp"
@@ -14,8 +15,6 @@
 namespace cgcontact {
 namespace {
 
-/// Sizes that differ by less are equal.
-constexpr double equal_sizes = 1e-9;
 /// Cells are larger than what is wanted if that is less than so much of their size.
 constexpr double too_large = 0.999;
 
@@ -39,7 +38,7 @@ CellTree tree_of_sizes(const BodySpec& body, const BodyGeometry& geometry, const
 
 /// Halvings that make a cell as small as wanted.
 int halvings_for(double cell_size, double wanted) {
-  return std::max(0, static_cast<int>(std::ceil(std::log2(cell_size / wanted) - equal_sizes)));
+  return std::max(0, static_cast<int>(std::ceil(std::log2(cell_size / wanted) - rounding)));
 }
 
 /// From a point to a box, a ball or a torus, m; 0 inside.
@@ -81,7 +80,7 @@ void add_cells_near_face(const CutCells& cells, const RefineSpec& refine, int le
     if (of_face[e] && cells.level(e) == level) sources.push_back(e);
   std::vector<char> near(cells.cells.size(), 0);
   constexpr double everywhere = std::numeric_limits<int>::max();
-  mark_cells_around(cells, sources, static_cast<int>(std::min(std::ceil(reach - equal_sizes), everywhere)), near);
+  mark_cells_around(cells, sources, static_cast<int>(std::min(std::ceil(reach - rounding), everywhere)), near);
   for (std::size_t e = 0; e < near.size(); ++e)
     if (near[e] && cells.level(static_cast<int>(e)) == level) refined[level].push_back(cells.cells[e]);
 }

@@ -6,6 +6,7 @@
 
 #include "contact/model/surface_normals.hpp"
 #include "core/base/decompositions.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 namespace {
@@ -121,10 +122,9 @@ FreeMotions no_motions(const std::vector<BodyModel>& bodies) {
 }  // namespace
 
 Eigen::MatrixXd motions_not_resisted(const Resistance& resistance) {
-  constexpr double no_stiffness = 1e-9;
   const SymmetricEigen<6> eigen(resistance);
   Eigen::Index count = 0;
-  while (count < 6 && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[5]) ++count;
+  while (count < 6 && eigen.eigenvalues()[count] <= rounding * eigen.eigenvalues()[5]) ++count;
   return eigen.eigenvectors().leftCols(count);
 }
 
@@ -222,10 +222,9 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
       pair.each_tangent(q, add);
       area += point.weight;
     }
-  constexpr double no_stiffness = 1e-9;
   const SymmetricEigen<Eigen::Dynamic> eigen(gram);
   Eigen::Index count = 0;
-  while (count < gram.cols() && eigen.eigenvalues()[count] <= no_stiffness * area) ++count;
+  while (count < gram.cols() && eigen.eigenvalues()[count] <= rounding * area) ++count;
   FreeMotions left = free;
   left.modes = free.modes * eigen.eigenvectors().leftCols(count);
   return left;
@@ -260,12 +259,12 @@ std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies
   return {load, magnitude};
 }
 
-FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load) {
+FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double allowed) {
   FreeMotions driven = free;
   driven.modes.resize(free.modes.rows(), 0);
   const auto [load, magnitude] = loads_on(bodies, free.bodies);
   const Eigen::VectorXd along = free.modes * (free.modes.transpose() * load);
-  if (along.norm() > no_load * magnitude) driven.modes = along.normalized();
+  if (along.norm() > allowed * magnitude) driven.modes = along.normalized();
   return driven;
 }
 

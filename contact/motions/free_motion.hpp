@@ -5,6 +5,7 @@
 #include <string>
 
 #include "contact/motions/rigid_motion.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 
@@ -23,10 +24,13 @@ struct FreeMotions {
   FreeMotions without_rotation() const;
 };
 
+/// Fraction of all loads below which no motion is driven. They are integrated to 1e-9.
+constexpr double no_load = 1e-7;
+
 /// Finds free motions at the present state of the contact points: those resisted by less than `no_stiffness` of the
 /// most resisted.
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
-                              const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
+                              const std::vector<ContactPair>& pairs, double no_stiffness = rounding);
 
 /// Resistance of a body against its rigid motions: sum of w q q^T.
 using Resistance = Eigen::Matrix<double, 6, 6>;
@@ -63,9 +67,9 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
                                             const std::vector<RigidComponent>& components);
 
-/// Returns those with more work of the loads than the fraction `no_load` of them (integrated to 1e-9): one column, or
+/// Returns those with more work of the loads than the fraction `allowed` of them: one column, or
 /// none.
-FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load = 1e-7);
+FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double allowed = no_load);
 
 /// Returns "y" for a direction along an axis, else three components.
 std::string direction_text(Vec3 direction);

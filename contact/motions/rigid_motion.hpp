@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "contact/model/contact_pairs.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 
@@ -43,6 +44,6 @@ std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<Con
 /// of the contact points.
 Eigen::MatrixXd free_rigid_motions(const RigidComponents& components, const std::vector<BodyModel>& bodies,
                                    const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                                   double no_stiffness = 1e-9);
+                                   double no_stiffness = rounding);
 
 }  // namespace cgcontact

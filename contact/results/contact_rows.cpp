@@ -9,12 +9,10 @@
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
 #include "core/base/rounding.hpp"
+#include "recovery/patch/boundary_data.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
-constexpr double same_face_cosine = 0.5;
 
 double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
 
@@ -40,7 +38,7 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
   const ContactLink* nearest = nullptr;
   for (int l : body.boundary.links_of_cell[cell]) {
     const ContactLink& link = body.boundary.links[l];
-    if (link.pair != pair || link.normal.dot(n) < same_face_cosine) continue;
+    if (link.pair != pair || link.normal.dot(n) < same_side) continue;
     if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
       nearest = &link;
   }

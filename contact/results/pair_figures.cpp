@@ -27,7 +27,7 @@ std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair&
     if (!q.active) continue;
     const int cell = body == pair.primary ? q.primary_cell : q.secondary_cell;
     const double ratio = pair.groups[q.group].larger_cell / cut_cells.h(cell);
-    closed[static_cast<int>(std::ceil(ratio - 1e-9))].push_back(cell);
+    closed[static_cast<int>(std::ceil(ratio - rounding))].push_back(cell);
   }
   std::vector<char> near(cut_cells.cells.size(), 0);
   for (auto& [reach, cells] : closed) mark_cells_around(cut_cells, cells, reach, near);

@@ -4,6 +4,7 @@
 
 #include "core/base/parallel.hpp"
 #include "recovery/face/connected_sets.hpp"
+#include "recovery/patch/boundary_data.hpp"
 
 namespace cgcontact {
 namespace {

@@ -12,6 +12,7 @@
 #include "contact/results/reference.hpp"
 #include "contact/solve/active_set.hpp"
 #include "core/base/ranks.hpp"
+#include "core/base/rounding.hpp"
 #include "recovery/error/error_estimate.hpp"
 
 namespace cgcontact {
@@ -79,9 +80,8 @@ namespace {
 
 /// A body that expands freely has no stress: what is left is rounding of E times its strain, and no error. N m.
 double energy_of_rounding(const BodyModel& body) {
-  constexpr double no_stress = 1e-9;
   if (body.spec->rigid()) return 0;
-  const double strain = no_stress * body.expansion.norm();
+  const double strain = rounding * body.expansion.norm();
   return body.spec->material.youngs_modulus * strain * strain * volume(body.cut_cells) *
          std::pow(body.cut_cells.grid.cell_size, 3);
 }

@@ -13,6 +13,7 @@
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "core/base/shared_values.hpp"
+#include "recovery/patch/boundary_data.hpp"
 #include "recovery/patch/patches.hpp"
 
 namespace cgcontact {

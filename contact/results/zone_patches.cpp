@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "recovery/patch/boundary_data.hpp"
 
 namespace cgcontact {
 namespace {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "contact/solve/iterate.hpp"
+#include "core/base/rounding.hpp"
 
 namespace cgcontact {
 
@@ -24,6 +25,6 @@ std::vector<std::string> open_separating_pairs(Iterate& iterate, const FreeMotio
 long long count_active(const std::vector<ContactPair>& pairs);
 
 /// Motions that supports and closed points resist by less than `no_stiffness` of the rest, and that the loads drive.
-FreeMotions driven_motions(const OuterProblem& problem, double no_stiffness = 1e-9);
+FreeMotions driven_motions(const OuterProblem& problem, double no_stiffness = rounding);
 
 }  // namespace cgcontact

@@ -153,7 +153,7 @@ std::vector<double> Iterate::group_stiffness() const {
   return to_host(stiffness);
 }
 
-void Iterate::close_pressing_points(double rounding) {
+void Iterate::close_pressing_points(double fraction) {
   const ContactGroupArrays<MemSpace>& arrays = groups();
   const RealView change = gap_change(), largest = new_values("cgcontact::iterate::largest", change.size());
   largest_pressures(problem.exec, arrays, change, largest);
@@ -168,7 +168,7 @@ void Iterate::close_pressing_points(double rounding) {
       most = std::max(most, of_groups[first + g]);
       stiffest = std::max(stiffest, pair.stiffness(pair.groups[g]));
     }
-    const bool changes = !pair.bonded() && !(most < rounding * stiffest);
+    const bool changes = !pair.bonded() && !(most < fraction * stiffest);
     for (std::size_t g = 0; g < pair.groups.size(); ++g) host(first + g) = changes ? 1 : 0;
     first += pair.groups.size();
   }

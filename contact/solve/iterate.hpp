@@ -54,9 +54,9 @@ struct Iterate {
   std::vector<double> group_force(bool with_displacement) const { return to_host(group_forces(with_displacement)); }
   /// Returns the present stiffness of each group, system units.
   std::vector<double> group_stiffness() const;
-  /// Closes the points of every pair that press, but where all of a pair is below `rounding` of its k: bonded pairs
+  /// Closes the points of every pair that press, but where all of a pair is below `fraction` of its k: bonded pairs
   /// stay closed.
-  void close_pressing_points(double rounding);
+  void close_pressing_points(double fraction);
   /// Returns the sum of the magnitudes of the forces of all contact groups, N.
   double total_force() const;
 

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.hpp"
 #include "core/base/shared_values.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Fraction of E u / h: stresses below are rounding.
-constexpr double no_stress = 1e-9;
 
 /// Square of the difference and of the new values, area-weighted.
 struct Change {
@@ -43,7 +41,7 @@ double square_of_rounding(const Iterate& iterate) {
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
     if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area *
-         std::pow(no_stress * stiffest * iterate.body_motions.largest_displacement(iterate.problem.exec, iterate.u), 2);
+         std::pow(rounding * stiffest * iterate.body_motions.largest_displacement(iterate.problem.exec, iterate.u), 2);
 }
 
 }  // namespace

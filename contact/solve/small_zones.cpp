@@ -5,7 +5,6 @@
 #include <map>
 
 #include "contact/model/indentation.hpp"
-#include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "core/cells/cells_around.hpp"
 
@@ -89,12 +88,7 @@ struct SmallZones::Overlap {
     second += other.area * (spread + x * x.transpose());  // the spread is not turned: zones are small
   }
   /// Long and short axes of the ellipse with the same moments, m.
-  std::pair<double, double> axes() const {
-    const Vec3 mean = first / area;
-    const SymmetricEigen<3> solver(second / area - mean * mean.transpose());
-    const double largest = solver.eigenvalues()[2];
-    return {4 * std::sqrt(largest), 4 * std::sqrt(std::max(solver.eigenvalues()[1], 1e-8 * largest))};
-  }
+  std::pair<double, double> axes() const { return axes_of_overlap(area, first, second); }
 };
 
 /// Law of one zone, by its groups.

@@ -13,6 +13,7 @@
 #include "contact/study/face_pressure.hpp"
 #include "contact/study/study_plan.hpp"
 #include "core/base/resources.hpp"
+#include "core/base/rounding.hpp"
 #include "core/base/text.hpp"
 #include "core/output/output_study.hpp"
 #include "core/program/child_process.hpp"
@@ -183,7 +184,7 @@ void StudyRunner::compare_with_finest() {
   const ReferenceSpec reference = scene.reference_at(finest->figures.force.value_or(0));
   const SampledPressure pressure(points(*finest), finest->cell_size);
   for (StudyRow& row : study_.rows) {
-    const bool coarser = row.has_figures() && row.cell_size > finest->cell_size * (1 + 1e-9);
+    const bool coarser = row.has_figures() && row.cell_size > finest->cell_size * (1 + rounding);
     row.errors.clear();
     const std::vector<ContactRow> rows = coarser ? points(row) : std::vector<ContactRow>();
     if (!rows.empty())

@@ -1,4 +1,4 @@
-/// Rounding of results: which figures are zero beside others of their kind.
+/// Rounding: which figures are zero beside others of their kind, and which are equal.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,8 @@
 namespace cgcontact {
 
 /// Fraction of the figures that it is the sum or part of below which a figure is rounding: what the linear solver
-/// leaves of its residual (its tolerance is 1e-10 of the forces; SolverOptions) and sums of many terms stay below.
+/// leaves of its residual (its tolerance is 1e-10 of the forces; SolverOptions), sums of many terms, and cosines and
+/// positions of what is meant to be in line stay below.
 constexpr double rounding = 1e-9;
 
 /// Returns components with 0 for those that are rounding beside `scale` (same unit, at least 0).

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/errors.hpp"
+#include "core/base/rounding.hpp"
 #include "core/bodies/cell_facets.hpp"
 #include "core/cells/cell_sweep.hpp"
 #include "core/cells/grid.hpp"
@@ -16,8 +17,6 @@ namespace cgcontact {
 namespace {
 
 constexpr double merge_tolerance = 1e-12;  // relative to the size of the solid
-/// Cosine below which a surface is along an axis, and fraction of a prism's length by which its ends may be off.
-constexpr double right_angle = 1e-9;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void require(bool condition, const char* problem) {
@@ -87,11 +86,10 @@ std::pair<Vec3, Vec3> hull_bounds(const CsgBody::Hull& hull) {
 void check_cone(const Surface& cone) {
   constexpr double steepest = 0.01;  // least cosine: flatter ones turn too much beside their other half
   constexpr double slimmest = 1e-6;  // least sine: beyond, the tip is too far away for double precision
-  constexpr double degree = 3.14159265358979323846 / 180;
   if (cone.cosine < steepest || cone.sine < slimmest)
     throw InputError(fmt::format("a line at {:.6g} degrees to the axis, not at 0, {:.2g} to {:.4g} or 90",
-                                 std::atan2(cone.sine, cone.cosine) / degree, std::asin(slimmest) / degree,
-                                 std::acos(steepest) / degree));
+                                 std::atan2(cone.sine, cone.cosine) / radians_per_degree,
+                                 std::asin(slimmest) / radians_per_degree, std::acos(steepest) / radians_per_degree));
 }
 
 namespace {
@@ -225,10 +223,10 @@ std::shared_ptr<const BodyGeometry> CsgBody::stretched(int axis, double factor, 
   auto result = std::make_shared<CsgBody>(*this);
   for (Surface& s : result->surfaces_) {
     const double cosine = std::abs(s.direction[axis]);
-    const bool along = s.kind == Surface::Kind::plane ? cosine < right_angle
-                                                      : s.kind == Surface::Kind::cylinder && cosine > 1 - right_angle;
-    const bool end = s.kind == Surface::Kind::plane && cosine > 1 - right_angle;
-    const double slack = right_angle * (max - min)[axis];
+    const bool along =
+        s.kind == Surface::Kind::plane ? cosine < rounding : s.kind == Surface::Kind::cylinder && cosine > 1 - rounding;
+    const bool end = s.kind == Surface::Kind::plane && cosine > 1 - rounding;
+    const double slack = rounding * (max - min)[axis];
     if (!(along || end) || (end && s.point[axis] > min[axis] + slack && s.point[axis] < max[axis] - slack))
       throw InputError(fmt::format("surface {} is neither an end of a prism nor along its axis",
                                    s.names.empty() ? "without a name" : '"' + s.names.front() + '"'));

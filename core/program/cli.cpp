@@ -53,6 +53,7 @@ const char* const check_footer =
     "  cgcontact check scenes/rings.toml\n"
     "  cgcontact check scenes/rings.toml --out out/check         a picture of it, and files for ParaView\n"
     "  cgcontact check scenes/hertz.toml --set n=100      how many unknowns would that be, and how much memory?\n"
+    "  cgcontact check scenes/hertz.toml --settings       all settings with default, range and meaning\n"
     "Exit codes: 0 the scene is good, 1 it is not (one message says where).\n"
     "Keys of --set and of scenes: docs/scene.md.";
 
@@ -275,7 +276,7 @@ Parser::Parser() {
                   "Draw it too: check.png and files for ParaView go there [default: nothing is written]")
       ->type_name("DIR")
       ->check(not_empty, "");
-  check.add_flag("--settings", line.settings, "Print the settings of the method too, as TOML");
+  check.add_flag("--settings", line.settings, "Print all settings with default, range and meaning too, as TOML");
   describe_study();
   CLI::App& compare =
       add_command("compare", CommandLine::compare, "Put the results of two runs side by side", compare_footer);

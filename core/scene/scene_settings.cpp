@@ -29,16 +29,17 @@ void read_setting(const TomlCursor& node, const Setting& setting) {
     }
     void operator()(bool* value) const { *value = node.boolean(); }
     void operator()(std::string* value) const { *value = node.string("a " + setting.key); }
+    void operator()(Target* value) const { *value = read_target(node); }
     void operator()(std::optional<PathEnds>* value) const { *value = read_path(node); }
     void operator()(const Choice& choice) const { choice.set_number(node.one_of(choice.names)); }
+    void operator()(const OwnForm&) const {}  // left to the caller
   };
   std::visit(Reader{node, setting}, setting.value);
 }
 
-/// Reads the settings of a section, or of a table in it (`prefix`: "table."); tables in it and the given keys are left
-/// to the caller.
-void read_settings(const TomlCursor& section, const std::vector<Setting>& settings, const std::string& prefix = "",
-                   std::vector<std::string> keys = {}) {
+/// Reads the settings of a section, or of a table in it (`prefix`: "table."); tables in it are left to the caller.
+void read_settings(const TomlCursor& section, const std::vector<Setting>& settings, const std::string& prefix = "") {
+  std::vector<std::string> keys;
   std::vector<const Setting*> here;
   for (const Setting& setting : settings) {
     if (!setting.of_scene || setting.key.compare(0, prefix.size(), prefix) != 0) continue;
@@ -116,22 +117,14 @@ std::vector<BodyTarget> read_body_targets(const TomlCursor& node) {
 
 AccuracyOptions read_accuracy(const TomlCursor& node) {
   AccuracyOptions options;
-  const std::pair<const char*, std::optional<double> AccuracyOptions::*> targets[] = {
-      {"pressure", &AccuracyOptions::pressure}, {"force", &AccuracyOptions::force}, {"shear", &AccuracyOptions::shear}};
-  std::vector<std::string> also{"stress"};
-  for (const auto& [key, member] : targets) {
-    also.emplace_back(key);
-    if (const auto target = node.find(key)) options.*member = read_target(*target);
-  }
+  read_settings(node, options.settings());
   if (const auto target = node.find("stress")) {
     if (target->is_table())
       options.stress_of_body = read_body_targets(*target);
     else
       options.stress = read_target(*target);
   }
-  also.emplace_back("displacement");
   if (const auto target = node.find("displacement")) options.named = read_displacement_targets(*target);
-  read_settings(node, options.settings(), "", also);
   if (!options.any())
     node.fail("asks for nothing", "at least one of pressure, force, shear, stress, displacement = \"1 %\"");
   return options;

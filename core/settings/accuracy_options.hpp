@@ -1,7 +1,7 @@
-/// Settings of runs that refine their grids until a figure is as accurate as asked for.
+/// Settings of runs that refine their grids until a figure is as accurate as asked for. What each means stands in
+/// settings().
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,19 +27,13 @@ struct NamedTarget {
 };
 
 struct AccuracyOptions {
-  // Wanted relative errors; none: not asked for.
-  std::optional<double> pressure;          ///< contact pressure, L2 norm over the faces of each pair
-  std::optional<double> force;             ///< contact force of each pair
-  std::optional<double> shear;             ///< friction's shear, L2 norm over the faces of each pair
-  std::optional<double> stress;            ///< stress, energy norm, all bodies together
-  std::vector<BodyTarget> stress_of_body;  ///< the same of single bodies
+  Target pressure, force, shear, stress;
+  std::vector<BodyTarget> stress_of_body;  ///< instead of `stress`
   std::vector<NamedTarget> named;          ///< pairs have their own target instead of `pressure`
 
   // Limits of a run.
-  double max_unknowns = 5e6;  ///< of one solve
-  double max_time = 1e6;      ///< s, all solves together
-  int max_levels = 20;        ///< of each body's grid
-  int max_solves = 10;
+  double max_unknowns = 5e6, max_time = 1e6;
+  int max_levels = 20, max_solves = 10;
 
   // Constants of the method (docs/adaptivity.md).
 
@@ -75,10 +69,15 @@ struct AccuracyOptions {
   /// Returns the number among `named`; -1: the pair has none of its own.
   int named_pressure(const std::string& pair) const;
   /// Returns the target of a pair; none: its pressure is not asked for.
-  std::optional<double> pressure_of(const std::string& pair) const;
+  Target pressure_of(const std::string& pair) const;
   std::vector<Setting> settings();
   void check() const;
   std::string print() const;
+
+ private:
+  /// Targets of `stress` and `displacement` as TOML: a number, or a table of names; "": none.
+  std::string stress_text() const;
+  std::string displacement_text() const;
 };
 
 }  // namespace cgcontact

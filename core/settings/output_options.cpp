@@ -5,15 +5,21 @@
 namespace cgcontact {
 
 std::vector<Setting> OutputOptions::settings() {
-  return {{"directory", &directory, {}, {}, "out/<name of the file>"},
-          {"vtk", &vtk},
-          {"vtu", &vtu},
-          {"frd", &frd},
-          {"csv", &csv},
-          {"plots", &plots},
-          {"report", &report},
-          {"view", &view},
-          {"path", &path, {}, {}, "through the largest pressure"}};
+  return {
+      {"directory", &directory, "of the results, relative to the working directory", {}, {}, "out/<name of the file>"},
+      {"vtk", &vtk, "fields for ParaView 5.11 and later"},
+      {"vtu", &vtu, "the same for older programs"},
+      {"frd", &frd, "fields for programs that read results of CalculiX"},
+      {"csv", &csv, "contact.csv"},
+      {"plots", &plots, "pictures"},
+      {"report", &report, "report.html"},
+      {"view", &view, "the view to turn in it; needs plots"},
+      {"path",
+       &path,
+       "line on the contact face along which the pressure is drawn",
+       {},
+       {},
+       "through the largest pressure"}};
 }
 
 void OutputOptions::check() const {
@@ -22,8 +28,8 @@ void OutputOptions::check() const {
 }
 
 std::string OutputOptions::print() const {
-  OutputOptions copy = *this;
-  return print_settings("output", copy.settings());
+  OutputOptions copy = *this, defaults;
+  return print_settings("output", copy.settings(), defaults.settings());
 }
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-/// Settings of what is written.
+/// Settings of what is written. What each means stands in settings().
 #pragma once
 
 #include "core/settings/settings.hpp"
@@ -6,15 +6,10 @@
 namespace cgcontact {
 
 struct OutputOptions {
-  std::string directory;         ///< empty: out/<name of the file>
-  bool vtk = true;               ///< fields for ParaView 5.11 and later
-  bool vtu = false;              ///< the same for older programs
-  bool frd = false;              ///< fields for those that read CalculiX' results
-  bool csv = true;               ///< contact.csv
-  bool plots = true;             ///< pictures
-  bool report = true;            ///< report.html
-  bool view = true;              ///< with plots: the view to turn in it
-  std::optional<PathEnds> path;  ///< along which the pressure is drawn; none: through the largest pressure
+  std::string directory;
+  bool vtk = true, vtu = false, frd = false, csv = true;
+  bool plots = true, report = true, view = true;
+  std::optional<PathEnds> path;
 
   bool fields() const { return vtk || vtu || frd; }
 

@@ -1,4 +1,4 @@
-/// Settings of the recovery of the stress.
+/// Settings of the recovery of the stress. What each means stands in settings().
 #pragma once
 
 #include "core/settings/face_options.hpp"
@@ -33,16 +33,14 @@ enum class PressureSource {
 };
 
 struct RecoveryOptions {
-  bool spr_c = true;             ///< run the constrained recovery at the end
-  double rank_tolerance = 0.1;   ///< constraints weaker than that, of the strongest of a patch, are redundant
-  double auxiliary_depth = 0.5;  ///< of the auxiliary patch in the other body, its cells
-  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
+  bool spr_c = true;
+  double rank_tolerance = 0.1, auxiliary_depth = 0.5;
+  bool contact_edge = true;
   PressureSource pressure = PressureSource::face;
-  RecoveryDegree degree = {};  ///< of the polynomials
-  int quadratic_rings = 0;  ///< rings of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
-  int points_per_face = 0;  ///< 1, 3 or 6 constraint points; 0: by the degree
-  double patch_volume = 1;  ///< cells: smaller patches are joined with a neighbour's
-  bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
+  RecoveryDegree degree = {};
+  int quadratic_rings = 0, points_per_face = 0;
+  double patch_volume = 1;
+  bool inverse_variance = true;
 
   // Constants of the method.
 

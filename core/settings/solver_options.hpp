@@ -1,4 +1,4 @@
-/// Settings of the outer iteration and of the linear solver.
+/// Settings of the outer iteration and of the linear solver. What each means stands in settings().
 #pragma once
 
 #include "core/settings/settings.hpp"
@@ -30,16 +30,14 @@ const std::string& name_of(LinearMethod method);
 struct SolverOptions {
   LinearMethod method = LinearMethod::flexible_cg;
   Preconditioner preconditioner = Preconditioner::multigrid;
-  double tolerance = 1e-6;  ///< relative residual of the outer iteration
+  double tolerance = 1e-6;
   int max_outer_iterations = 30;
-  double linear_tolerance = 1e-10;   ///< relative residual of the last linear solve
-  int max_linear_iterations = 1000;  ///< of one linear solve
-  bool nested = true;                ///< large grids start from solutions on coarser ones
-  double kappa = 10;                 ///< stabilisation of supports and contact, times E / h
-  double ghost_penalty = 0.01;       ///< gamma, stabilisation of small cut cells
-  /// Unknowns above which a grid is divided among several ranks; every rank solves smaller ones by itself
-  /// (docs/parallel.md).
-  int shared_unknowns = 20000;
+  double linear_tolerance = 1e-10;
+  int max_linear_iterations = 1000;
+  bool nested = true;
+  double kappa = 10;
+  double ghost_penalty = 0.01;  ///< gamma
+  int shared_unknowns = 20000;  ///< every rank solves smaller grids by itself
 
   // Constants of the method; figures in docs/decisions.md, "Supports and contact".
 

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "core/base/errors.hpp"
+#include "core/base/types.hpp"
 #include "core/triangles/triangle_soup.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
 namespace cgcontact {
 
-/// Angle between the normals of two triangles from which their edge separates patches, radians (30 degrees).
-constexpr double default_crease_angle = 0.5235987755982988;
+/// Angle between the normals of two triangles from which their edge separates patches, radians.
+constexpr double default_crease_angle = pi / 6;
 
 /// Selects the triangles that meet all conditions given. Lengths in m, in the coordinates of the surface.
 struct TriangleSelector {

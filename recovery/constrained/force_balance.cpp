@@ -9,6 +9,7 @@
 #include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "kernels/mesh/mesh.hpp"
+#include "recovery/patch/boundary_data.hpp"
 
 namespace cgcontact {
 namespace {
@@ -24,8 +25,6 @@ constexpr double max_passes = 192;
 constexpr int implicit_steps = 4;
 /// Cells within which forces of patches that carry no pressure go to others.
 constexpr int steps_aside = 2;
-/// A contact point lies on the side of a boundary point if the cosine between the normals is more.
-constexpr double same_face = 0.5;
 /// Least sum of a pair's forces relative to their magnitudes for it to have a direction.
 constexpr double min_resultant = 0.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
@@ -85,10 +84,10 @@ double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant
   Vec3 direction = Vec3::Zero();
   for (const int l : body.boundary->links_of_cell[points.cell[point]]) {
     const ContactLink& link = body.boundary->links[l];
-    if (link.pair == pair && link.normal.dot(points.normal[point]) > same_face) direction += link.weight * link.normal;
+    if (link.pair == pair && link.normal.dot(points.normal[point]) > same_side) direction += link.weight * link.normal;
   }
   const double along = direction.normalized().dot(resultant), own = points.normal[point].dot(resultant);
-  return std::min(along, own) > same_face ? own / along : 1.0;
+  return std::min(along, own) > same_side ? own / along : 1.0;
 }
 
 /// Face of one pair by cell: products of the shape functions of the cell's nodes. Those of constrained corners count to

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/rounding.hpp"
 #include "recovery/patch/cells_in_box.hpp"
 
 namespace cgcontact {
@@ -171,7 +172,7 @@ void find_auxiliary(const PatchContext& context, const PairState& state, PatchPo
 }  // namespace
 
 bool PairState::is_closed(double fraction) const {
-  return closed_area > 0 && closed_area > fraction * area * (1 - 1e-9);
+  return closed_area > 0 && closed_area > fraction * area * (1 - rounding);
 }
 
 void PatchLists::append(const PatchLists& other) {

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
+#include "recovery/patch/boundary_data.hpp"
 #include "recovery/patch/tangents.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
-constexpr double same_side = 0.5;
 
 /// Cells: centres of patches nearer to an axis of revolution lie on it.
 constexpr double on_axis = 1e-6;

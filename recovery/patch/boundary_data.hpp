@@ -31,6 +31,9 @@ struct TractionCondition {
   }
 };
 
+/// Least cosine between the normals of faces that look the same way: on one side of a body.
+constexpr double same_side = 0.5;
+
 /// Contact quadrature point seen from one body.
 struct ContactLink {
   int cell = -1;  ///< active cell of this body

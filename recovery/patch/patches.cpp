@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/base/parallel.hpp"
+#include "core/base/rounding.hpp"
 #include "core/geometry/solid_middle.hpp"
 #include "recovery/patch/patch_arrays.hpp"
 
@@ -110,7 +111,7 @@ bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec
           // well.
           const double away = ((position - middle).norm() - (own - middle).norm()) / unit;
           const double score = corner_cells.volume_around(m) - 1e-3 * ((position - own).norm() / unit) - 1e-5 * away;
-          if (score > best * (1 + 1e-9)) best = score, anchor = m;
+          if (score > best * (1 + rounding)) best = score, anchor = m;
         });
     int around[8];
     const int count = corner_cells.around(anchor, around);

@@ -195,7 +195,8 @@ class Accuracy(unittest.TestCase):
         self.assertEqual(outcome.code, 0, outcome.err)
         self.assertRegex(outcome.out, r"first grids, which a run refines(.|\n)*cells of 0\.00\d+ m")
         outcome = cgcontact("check", scene("ball_on_plate"), "--settings")
-        self.assertRegex(outcome.out, r"\[accuracy\]\nmax_unknowns = 5000000")
+        self.assertRegex(outcome.out, r"\n\[accuracy\]\npressure = 0\.\d+  # default none; > 0 and < 1; (.|\n)*"
+                                      r"\nmax_unknowns = 5000000  # default; ")
 
     def test_study_over_the_accuracy(self):
         with tempfile.TemporaryDirectory() as directory:

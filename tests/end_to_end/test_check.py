@@ -70,19 +70,27 @@ class Check(unittest.TestCase):
         self.assertEqual(sum(int(body[11]) for body in bodies), int(re.search(r"(\d+) unknowns in all", text).group(1)))
 
     def test_settings_on_request(self):
-        """With --settings, and only then, the settings are printed: as TOML that a scene takes back, with its values."""
+        """With --settings, and only then, the settings are printed: as TOML that a scene takes back, with its values, and
+        what each is by default, may be and means."""
         self.assertNotIn("linear_tolerance", self.check("patch_test"))
         outcome = cgcontact("check", scene("patch_test"), "--settings", *settings(**{"solver.linear_tolerance": 3e-9}))
         self.assertEqual((outcome.code, outcome.err), (0, ""))
-        tables = outcome.out[outcome.out.index("[geometry]\n"):].partition("contact.csv:")[0]
-        self.assertIn("linear_tolerance = 3e-09\n", tables)
-        own = "".join("[solver]" + part.partition("\n[")[0] for part in tables.split("[solver]")[1:])
-        text = scene("patch_test").read_text()
+        tables = outcome.out[outcome.out.index("# [geometry]\n"):]
+        self.assertIn("\nlinear_tolerance = 3e-09  # default 1e-10; >= 1e-15 and < 1; relative residual", tables)
+        self.assertIn("\nvtk = true  # default; true or false; ", tables)
+        for line in tables.splitlines():
+            if not re.fullmatch(r"(# )?\[(geometry|contact|solver|recovery|results|accuracy|output)\]", line):
+                self.assertRegex(line, r"^(# )?[a-z_0-9.]+ = .+  # default.*; \w.+")
+        self.assertEqual(len(re.findall(r"^(?:# )?\[", tables, re.M)), 7)
+        text = scene("patch_test").read_text().partition("[output]")[0]
         self.assertNotIn("[solver]", text)
-        pathlib.Path("back.toml").write_text(text + "\n" + own)
+        pathlib.Path("back.toml").write_text(text + tables)
         again = cgcontact("check", "back.toml", "--settings")
         self.assertEqual(again.code, 0, again.err)
-        self.assertIn("linear_tolerance = 3e-09\n", again.out)
+        self.assertEqual(again.out[again.out.index("# [geometry]\n"):], tables)
+        mistyped = cgcontact("check", "back.toml", "--seting")
+        self.assertEqual(mistyped.code, 1)
+        self.assertIn("--settings", mistyped.err)
 
     def test_volume_of_curved_bodies(self):
         """Volumes are those of the bodies, not of their cells: two quarter rings."""

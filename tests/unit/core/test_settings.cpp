@@ -14,16 +14,30 @@
 namespace cgcontact::test_settings {
 namespace {
 
-/// Key -> value of the lines of print(); of the scene's settings, or of the constants of the method.
-std::map<std::string, std::string> printed(const std::string& text, bool constants = false) {
-  std::map<std::string, std::string> values;
+/// One line of print().
+struct Line {
+  bool is_comment = false;
+  std::string value, about;
+};
+
+std::map<std::string, Line> printed(const std::string& text) {
+  std::map<std::string, Line> found;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    const bool is_constant = line.rfind("# ", 0) == 0;
-    const std::size_t equal = line.find(" = "), begin = is_constant ? 2 : 0;
-    if (equal != std::string::npos && is_constant == constants)
-      values[line.substr(begin, equal - begin)] = line.substr(equal + 3);
+    const bool is_comment = line.rfind("# ", 0) == 0;
+    const std::size_t begin = is_comment ? 2 : 0, equal = line.find(" = "), about = line.find("  # ");
+    if (equal < about)
+      found[line.substr(begin, equal - begin)] = {is_comment, line.substr(equal + 3, about - equal - 3),
+                                                  line.substr(about + 4)};
   }
+  return found;
+}
+
+/// Key -> value of those that a scene can set.
+std::map<std::string, std::string> values_of_scene(const std::vector<Setting>& settings, const std::string& text) {
+  std::map<std::string, std::string> values;
+  for (const Setting& setting : settings)
+    if (setting.of_scene) values[setting.key] = printed(text).at(setting.key).value;
   return values;
 }
 
@@ -78,7 +92,7 @@ std::map<std::string, std::string> documented(const std::string& section) {
 template <class Options>
 void expect_documented(const std::string& section) {
   Options options;
-  const auto ours = with_tables(options.settings(), printed(options.print()));
+  const auto ours = with_tables(options.settings(), values_of_scene(options.settings(), options.print()));
   auto theirs = documented(section);
   ASSERT_FALSE(theirs.empty());
   for (const auto& [key, value] : ours) {
@@ -158,10 +172,57 @@ TEST(Settings, ValuesOutOfRangeAreNamedWithTheirRange) {
 }
 
 TEST(Settings, ConstantsOfTheMethodArePrintedAsComments) {
-  const auto constants = printed(SolverOptions().print(), true);
-  EXPECT_EQ(constants.at("thin_kappa_factor"), "3");
-  EXPECT_EQ(constants.count("kappa"), 0u);
-  EXPECT_EQ(printed(RecoveryOptions().print(), true).at("term_reach"), "2");
+  const auto lines = printed(SolverOptions().print());
+  EXPECT_EQ(lines.at("thin_kappa_factor").value, "3");
+  EXPECT_TRUE(lines.at("thin_kappa_factor").is_comment);
+  EXPECT_FALSE(lines.at("kappa").is_comment);
+  EXPECT_EQ(printed(RecoveryOptions().print()).at("term_reach").value, "2");
+}
+
+TEST(Settings, ArePrintedWithDefaultRangeAndMeaning) {
+  SolverOptions options;
+  options.tolerance = 1e-3;
+  const auto lines = printed(options.print());
+  EXPECT_EQ(lines.at("tolerance").value, "0.001");
+  EXPECT_EQ(lines.at("tolerance").about, "default 1e-06; >= 1e-15 and < 1; relative residual of the outer iteration");
+  EXPECT_EQ(lines.at("nested").about, "default; true or false; large grids start from solutions on coarser ones");
+  EXPECT_EQ(lines.at("preconditioner").about.rfind("default; multigrid, muelu; ", 0), 0u);
+  const Line directory = printed(OutputOptions().print()).at("directory");  // of none there is nothing to take back
+  EXPECT_TRUE(directory.is_comment);
+  EXPECT_EQ(directory.value, "out/<name of the file>");
+}
+
+template <class Options>
+void expect_meanings() {
+  Options options;
+  for (const Setting& setting : options.settings()) EXPECT_FALSE(setting.meaning.empty()) << setting.key;
+}
+
+TEST(Settings, AllHaveAMeaning) {
+  expect_meanings<GeometryOptions>();
+  expect_meanings<ContactOptions>();
+  expect_meanings<SolverOptions>();
+  expect_meanings<RecoveryOptions>();
+  expect_meanings<ResultOptions>();
+  expect_meanings<AccuracyOptions>();
+  expect_meanings<OutputOptions>();
+}
+
+TEST(Settings, PrintedTargetsAreThoseOfTheScene) {
+  AccuracyOptions accuracy;
+  EXPECT_EQ(accuracy.print().rfind("# [accuracy]\n# pressure = none  # default; ", 0), 0u);
+  EXPECT_TRUE(printed(accuracy.print()).at("max_time").is_comment);  // the section alone would be a mistake
+  accuracy.force = 0.02;
+  accuracy.stress_of_body = {{"lug", 0.1}};
+  accuracy.named = {{NamedTarget::Kind::displacement, "beam.tip", 0.01}, {NamedTarget::Kind::pressure, "pair", 0.05}};
+  const auto lines = printed(accuracy.print());
+  EXPECT_EQ(lines.at("force").value, "0.02");
+  EXPECT_EQ(lines.at("force").about.rfind("default none; > 0 and < 1; ", 0), 0u);
+  EXPECT_EQ(lines.at("stress").value, "{\"lug\" = 0.1}");
+  EXPECT_EQ(lines.at("displacement").value, "{\"beam.tip\" = 0.01}");
+  EXPECT_FALSE(lines.at("max_time").is_comment);
+  accuracy.force = 2;
+  EXPECT_THROW(accuracy.check(), InputError);
 }
 
 }  // namespace
