@@ -101,8 +101,8 @@ std::string remedy(const CsgBody& body, const Grid& grid, const Vec3& corner) {
     bool fits = true;
     const Vec3 half = Vec3::Constant(0.5 / division);
     for (int n = 0; n < division * division * division && fits; ++n) {
-      const Vec3 centre =
-          corner + Vec3(n % division, n / division % division, n / (division * division)) / division + half;
+      const int x = n % division, y = n / division % division, z = n / (division * division);
+      const Vec3 centre = corner + Vec3(x, y, z) / division + half;
       fits = std::count_if(body.surfaces().begin(), body.surfaces().end(),
                            [&](const Surface& s) { return side_of_box(s, centre, half) < 0; }) <= max_table_bits;
     }

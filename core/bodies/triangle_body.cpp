@@ -202,7 +202,7 @@ void TriangleBody::each_facet_in_cell(const UseFacet& use) const {
 CellEstimate estimate_triangle_cells(const TriangleSurface& surface, const Grid& grid, double) {
   const double h = grid.cell_size;
   double crossed = 0, volume = 0;
-  const Vec3 origin = surface.corner(0, 0);
+  const Vec3& origin = surface.corner(0, 0);
   for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t) {
     const Vec3 a = surface.corner(t, 0) - origin, b = surface.corner(t, 1) - origin, c = surface.corner(t, 2) - origin;
     crossed += (grid.rotation.transpose() * (b - a).cross(c - a)).lpNorm<1>() / 2;

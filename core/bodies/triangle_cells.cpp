@@ -26,7 +26,7 @@ using SectionIntegrals = std::array<double, num_legendre * num_legendre>;
 long long code(const Index3& cell) {
   for (int k = 0; k < 3; ++k)
     if (cell[k] < -most || cell[k] >= most) throw InputError("the body sticks out of its grid");
-  const auto shifted = [](int c) { return static_cast<long long>(c + most); };
+  const auto shifted = [](int c) { return static_cast<long long>(c) + most; };
   return (shifted(cell[2]) << (2 * bits)) | (shifted(cell[1]) << bits) | shifted(cell[0]);
 }
 
@@ -291,7 +291,8 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
   static thread_local std::vector<int> triangles;
   const std::size_t first = cells.size();
   SectionIntegrals section{};  // of all facets farther along the row
-  for (std::size_t end = row_begin_[row + 1], begin = end; end > row_begin_[row]; end = begin) {
+  std::size_t begin;
+  for (std::size_t end = row_begin_[row + 1]; end > row_begin_[row]; end = begin) {
     const Index3 cell = decode(entries_[end - 1].cell);
     const Vec3 corner(cell[0], cell[1], cell[2]);
     if (cells.size() > first) {

@@ -39,7 +39,7 @@ struct Below {
 
 }  // namespace
 
-SizeField::SizeField(std::vector<SizedBall> balls, double grading)
+SizeField::SizeField(const std::vector<SizedBall>& balls, double grading)
     : grading_(grading), smallest_(std::numeric_limits<double>::infinity()) {
   for (const SizedBall& ball : balls) smallest_ = std::min(smallest_, ball.size);
   search_ = std::make_unique<Search>(balls);

@@ -17,7 +17,7 @@ struct SizedBall {
 class SizeField {
  public:
   /// grading: growth of the size with the distance from a ball.
-  SizeField(std::vector<SizedBall> balls, double grading);
+  SizeField(const std::vector<SizedBall>& balls, double grading);
   ~SizeField();
   SizeField(const SizeField&) = delete;
 

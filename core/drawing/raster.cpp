@@ -87,7 +87,7 @@ inline void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle,
   const std::array<double, 3> colour = screen.plain ? screen.colour : colour_(value);
   const double factor = 255 * screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
   pixel.depth = depth;
-  for (int c = 0; c < 3; ++c) pixel.colour[c] = static_cast<unsigned char>(factor * colour[c] + 0.5);
+  for (int c = 0; c < 3; ++c) pixel.colour[c] = static_cast<unsigned char>(std::lround(factor * colour[c]));
   pixel.normal = screen.normal;
   pixel.region = screen.region;
 }

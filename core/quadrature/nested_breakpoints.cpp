@@ -132,7 +132,8 @@ std::vector<Vec3> newton_starts(const Region& region) {
   const double w = region.width;
   std::vector<Vec3> starts;
   for (int i = 0; i < n * n; ++i) {
-    Vec3 u(w * (i % n + 0.5) / n, w * (i / n + 0.5) / n, 0);
+    const int column = i % n, row = i / n;
+    Vec3 u(w * (column + 0.5) / n, w * (row + 0.5) / n, 0);
     if (region.has_graph) {
       const double height = region.graph.height(u[0], u[1]);
       u[2] = height > -w && height < 2 * w ? height : 0.5 * w;
