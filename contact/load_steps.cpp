@@ -48,6 +48,7 @@ LoadSteps::LoadSteps(const ExecSpace& exec, SolvedState& state, Results& results
   for (std::size_t k = 0; k < steps_.size(); ++k) increments_.push_back({k, 1});
 }
 
+/// After each solve one of the cases applies: something is changed and the increment solved again, or it is accepted.
 void LoadSteps::run() {
   preload_.begin(state_.bodies, state_.pairs);
   solver_ = make_solver();
@@ -118,7 +119,8 @@ bool LoadSteps::tighten_preloads() {
   return true;
 }
 
-/// Finds what is wrong with a solution, of those before and after bodies were held the one that there is.
+/// Judges a solution that converged. Where there is none with bodies held, the one before is taken; with friction no
+/// step has a solution after one without; forces of contact have to balance the others.
 void LoadSteps::find_fault() {
   OuterResult& outer = state_.outer;
   if (not_held_ && !outer.converged) release_lost_bodies();

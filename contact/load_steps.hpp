@@ -13,6 +13,8 @@
 
 namespace cgcontact {
 
+/// Solves increments: the ends of the steps and, where friction needs them, points on the way. Where a solve shows that
+/// supports, pairs, interferences or increments are to be others, these are changed and the increment is solved again.
 class LoadSteps {
  public:
   /// The arguments must outlive this object; the state has its system. earlier: a solution on other grids to start

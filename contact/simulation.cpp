@@ -181,7 +181,7 @@ void Simulation::fill_results() {
   fill_conditions(state, results);
   fill_pressure_errors(state, results);
   if (state.outer.converged) warn_of_results();
-  scale_to_thickness(state, results);
+  scale_to_thickness(state, results);  // so far figures are those of a slice
   fill_zone_figures(state, results);
   fill_friction(state, results);
   if (!results.steps.empty())
