@@ -178,11 +178,12 @@ void Simulation::fill_results() {
   choose_reference();
   fill_fields();
   estimate_errors();
+  results.loads = load_figures(state.scene, state.bodies);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);
   if (state.outer.converged) warn_of_results();
   scale_to_thickness(state, results);  // so far figures are those of a slice
-  fill_zone_figures(state, results);
+  set_zone_figures(state, results.contact_rows, results.pairs);
   fill_friction(state, results);
   if (!results.steps.empty())
     for (std::size_t k = 0; k < results.pairs.size(); ++k)
@@ -223,8 +224,9 @@ void Simulation::estimate_errors() {
 /// What may be wrong with a solution that converged.
 void Simulation::warn_of_results() {
   for (const auto& warnings :
-       {small_strain_warnings(state, results.contact_rows), lost_force_warnings(state, results),
-        unclear_gap_warnings(state, results.pairs), coarse_facet_warnings(state), friction_warnings(state)})
+       {small_strain_warnings(state, results.contact_rows),
+        lost_force_warnings(state, results.contact_rows, results.pairs), unclear_gap_warnings(state, results.pairs),
+        coarse_facet_warnings(state), friction_warnings(state)})
     for (const std::string& warning : warnings) add_warning(results, warning);
 }
 

@@ -181,7 +181,8 @@ std::vector<double> normal_forces(const SolvedState& state) {
   return forces;
 }
 
-std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results) {
+std::vector<std::string> lost_force_warnings(const SolvedState& state, const std::vector<ContactRow>& rows,
+                                             const std::vector<PairFigures>& pairs) {
   std::vector<std::string> warnings;
   std::size_t group = 0;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
@@ -190,10 +191,10 @@ std::vector<std::string> lost_force_warnings(const SolvedState& state, const Res
     for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group)
       transmitted += state.outer.group_force[group] * force_unit(state);
     // On the face the pressure has the force by itself; sums over boundary points miss peaks narrower than a cell.
-    if (!(results.pairs[k].area > 0) || pair.bonded() || results.pairs[k].pressure_on_face) continue;
+    if (!(pairs[k].area > 0) || pair.bonded() || pairs[k].pressure_on_face) continue;
     for (const int body : {pair.primary, pair.secondary}) {
       double recovered = 0;
-      for (const ContactRow& row : results.contact_rows)
+      for (const ContactRow& row : rows)
         if (row.pair == static_cast<int>(k) && row.body == body && row.touching)
           recovered += row.weight * row.pressure_sprc;
       if (!(transmitted > 0) || std::abs(recovered - transmitted) <= state.scene.results.lost_force * transmitted)

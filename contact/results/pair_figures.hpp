@@ -29,6 +29,7 @@ std::vector<double> normal_forces(const SolvedState& state);
 
 /// Returns a sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the
 /// transmitted force.
-std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results);
+std::vector<std::string> lost_force_warnings(const SolvedState& state, const std::vector<ContactRow>& rows,
+                                             const std::vector<PairFigures>& pairs);
 
 }  // namespace cgcontact
