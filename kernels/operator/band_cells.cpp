@@ -294,10 +294,10 @@ class BandMaker {
   }
 
   void store_batches() {
-    result_.nodes = NodeBatches("cgcontact::band::nodes", batches_.size());
-    result_.stencil_lanes = LaneBatches("cgcontact::band::stencil_lanes", batches_.size());
-    result_.moments = MomentBatches("cgcontact::band::moments", num_moments_);
-    result_.pairs = PairBatches("cgcontact::band::pairs", num_pairs_);
+    result_.nodes = decltype(result_.nodes)("cgcontact::band::nodes", batches_.size());
+    result_.stencil_lanes = decltype(result_.stencil_lanes)("cgcontact::band::stencil_lanes", batches_.size());
+    result_.moments = decltype(result_.moments)("cgcontact::band::moments", num_moments_);
+    result_.pairs = decltype(result_.pairs)("cgcontact::band::pairs", num_pairs_);
     nodes_ = Kokkos::create_mirror_view(result_.nodes);
     stencil_lanes_ = Kokkos::create_mirror_view(result_.stencil_lanes);
     moments_ = Kokkos::create_mirror_view(result_.moments);
@@ -363,11 +363,6 @@ class BandMaker {
     }
   }
 
-  using NodeBatches = typename BandCells<Real>::NodeBatches;
-  using LaneBatches = decltype(BandCells<Real>::stencil_lanes);
-  using MomentBatches = typename BandCells<Real>::MomentBatches;
-  using PairBatches = typename BandCells<Real>::PairBatches;
-
   const ElasticSystem& system_;
   const std::vector<char>& by_stencil_;
   const SlabPartition& slabs_;
@@ -379,10 +374,10 @@ class BandMaker {
   std::vector<int> chunk_begin_;
   int num_moments_ = 0, num_pairs_ = 0;  ///< of all batches
   // What kernels read, on the host.
-  typename NodeBatches::HostMirror nodes_;
-  typename LaneBatches::HostMirror stencil_lanes_;
-  typename MomentBatches::HostMirror moments_;
-  typename PairBatches::HostMirror pairs_;
+  typename BandCells<Real>::NodeBatches::HostMirror nodes_;
+  typename decltype(BandCells<Real>::stencil_lanes)::HostMirror stencil_lanes_;
+  typename BandCells<Real>::MomentBatches::HostMirror moments_;
+  typename BandCells<Real>::PairBatches::HostMirror pairs_;
   BandCells<Real> result_;
 };
 
