@@ -1,24 +1,12 @@
 /// The whole computation, one call per step: the page to read first.
 #pragma once
 
-#include <functional>
-#include <string>
-
+#include "contact/progress.hpp"
 #include "contact/solve/preload.hpp"
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
-
-/// Called when a phase starts, before the solve with the memory (bytes) that the run is expected to take, after every
-/// outer iteration, and after each step of [steps] but the last one, with its number from 0, its fields, contact rows
-/// and pairs, valid until the next step begins.
-struct ProgressCallbacks {
-  std::function<void(const std::string& phase)> phase = [](const std::string&) {};
-  std::function<void(double expected)> memory = [](double) {};
-  std::function<void(const OuterStep&)> step = [](const OuterStep&) {};
-  std::function<void(std::size_t number, const Results&)> load_step = [](std::size_t, const Results&) {};
-};
 
 /// The steps of a run, and what they leave behind.
 class Simulation {
@@ -51,17 +39,10 @@ class Simulation {
   void fill_results();
 
  private:
-  void solve_faces();
-  void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
-  void set_step(const StepSpec& step);
-  bool rubs() const;
-  std::size_t first_increment_of_new_solver(std::size_t increment);
-  bool extend_contact_search();
-  void constrain_drift();
-  bool lost_by_drift(const std::string& fault) const;
-  void record_step(std::size_t number, const ProgressCallbacks& progress);
-  void add_warning(const std::string& warning);
-  bool tighten();
+  void fill_forces();
+  void fill_fields();
+  void estimate_errors();
+  void warn_of_results();
   void choose_reference();
 
   ExecSpace exec_;  ///< what kernels run on

@@ -101,7 +101,7 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
   std::vector<ZoneState> zones(state.pairs.size());
   const double largest = largest_pressing_force(results);
   const std::vector<ZoneWidth> widths = zone_widths(state);
-  const std::vector<MissedOverlap> missed = missed_overlaps(results);
+  const std::vector<MissedOverlap> missed = missed_overlaps(results.pairs);
   for (std::size_t p = 0; p < zones.size(); ++p) {
     ZoneState& zone = zones[p];
     const ContactPair& pair = state.pairs[p];

@@ -170,7 +170,6 @@ std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<Body
 }
 
 void fill_conditions(const SolvedState& state, Results& results) {
-  results.loads = load_figures(state.scene, state.bodies);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
     results.supports[s].condition = condition_of(state, static_cast<int>(s));
     results.supports[s].area = area_of(state, state.scene.supports[s].face, state.scene.supports[s].implied);

@@ -1,6 +1,8 @@
 /// Supports and loads of the bodies, with resultants, as lists for the report.
 #pragma once
 
+#include <vector>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -10,8 +12,8 @@ namespace cgcontact {
 /// thickness).
 std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<BodyModel>& bodies);
 
-/// Sets Results::loads, conditions and areas of Results::supports (which must be
-/// there), the interference of every pair, and BodyFields::contact_of_point.
+/// Sets conditions and areas of Results::supports, the interference of every pair, and BodyFields::contact_of_point;
+/// supports, pairs and bodies must be there.
 void fill_conditions(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

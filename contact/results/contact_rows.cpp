@@ -168,7 +168,8 @@ double size_of_traction(const ContactRow& row, bool bonded) {
   return bonded ? (tensor(row.stress_sprc) * row.normal).norm() : row.pressure_sprc;
 }
 
-void fill_contact_rows(const SolvedState& state, Results& results) {
+std::vector<ContactRow> contact_rows(const SolvedState& state) {
+  std::vector<ContactRow> rows;
   std::vector<int> boundary_point;
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
     const BodyModel& body = state.bodies[b];
@@ -189,11 +190,12 @@ void fill_contact_rows(const SolvedState& state, Results& results) {
         points[chunk].push_back(p);
       }
     });
-    append_of_all_ranks(chunks, results.contact_rows);
+    append_of_all_ranks(chunks, rows);
     append_of_all_ranks(points, boundary_point);
   }
-  clear_rounding(state, results.contact_rows);
-  mark_touching_rows(state, boundary_point, results.contact_rows);
+  clear_rounding(state, rows);
+  mark_touching_rows(state, boundary_point, rows);
+  return rows;
 }
 
 }  // namespace cgcontact

@@ -1,6 +1,8 @@
 /// Contact faces point by point: pressures, gap, open or closed.
 #pragma once
 
+#include <vector>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -15,7 +17,7 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
 /// alone, the traction.
 double size_of_traction(const ContactRow& row, bool bonded);
 
-/// Appends a row for every boundary point of the contact faces.
-void fill_contact_rows(const SolvedState& state, Results& results);
+/// Returns a row for every boundary point of the contact faces.
+std::vector<ContactRow> contact_rows(const SolvedState& state);
 
 }  // namespace cgcontact

@@ -87,7 +87,7 @@ class FrictionZone {
       : state_(state),
         pair_(state.pairs[pair]),
         figures_(results.pairs[pair]),
-        frame_(frame_of_zone(state, results, pair)) {
+        frame_(frame_of_zone(state, results.contact_rows, results.pairs, pair)) {
     for (std::size_t g = 0; g < pair_.groups.size(); ++g) {
       const ContactGroup& group = pair_.groups[g];
       const double force = state.bodies[pair_.primary].slices * force_unit(state) * group_force[g];

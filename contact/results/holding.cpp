@@ -39,12 +39,13 @@ double largest_contact(const SolvedState& state, int body) {
   return largest;
 }
 
-std::string pair_fault(const SolvedState& state, const Results& figures, std::size_t k, double normal) {
+std::string pair_fault(const SolvedState& state, const std::vector<BodyBalance>& balance, std::size_t k,
+                       double normal) {
   const ContactPair& pair = state.pairs[k];
   double worst = 0;
   int body = pair.primary;
   for (const int b : {pair.primary, pair.secondary})
-    if (const double here = imbalance(figures.balance[b]); here > worst) {
+    if (const double here = imbalance(balance[b]); here > worst) {
       worst = here;
       body = b;
     }
@@ -91,29 +92,26 @@ std::string surface_hold_warning(const SolvedState& state) {
 double imbalance(const BodyBalance& balance) { return (balance.loads + balance.supports + balance.contact).norm(); }
 
 bool contact_carries(const SolvedState& state) {
-  Results figures;
-  fill_pair_figures(state, figures);
-  return std::any_of(figures.pairs.begin(), figures.pairs.end(),
+  const std::vector<PairFigures> pairs = pair_figures(state, {});
+  return std::any_of(pairs.begin(), pairs.end(),
                      [](const PairFigures& pair) { return pair.force_on_first.norm() > 0; });
 }
 
 std::string contact_fault(const SolvedState& state) {
-  Results figures;
-  fill_pair_figures(state, figures);
-  fill_support_figures(state, figures);
-  fill_balance(state, figures);
+  const std::vector<PairFigures> pairs = pair_figures(state, {});
+  const std::vector<BodyBalance> balance = balance_of_bodies(state, support_figures(state), pairs);
   const std::vector<double> forces = normal_forces(state);
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
     const double normal = forces[k];
-    if (state.pairs[k].bonded() || !(figures.pairs[k].force_on_first.norm() > 0)) continue;
-    if (const std::string fault = pair_fault(state, figures, k, normal); !fault.empty()) return fault;
+    if (state.pairs[k].bonded() || !(pairs[k].force_on_first.norm() > 0)) continue;
+    if (const std::string fault = pair_fault(state, balance, k, normal); !fault.empty()) return fault;
   }
   return "";
 }
 
-std::string held_contact(const SolvedState& state, const Results& results) {
+std::string held_contact(const SolvedState& state, const std::vector<ContactRow>& rows) {
   std::vector<double> closed(state.pairs.size(), 0.0), held(state.pairs.size(), 0.0);
-  for (const ContactRow& row : results.contact_rows) {
+  for (const ContactRow& row : rows) {
     if (!row.active || state.pairs[row.pair].bonded()) continue;
     closed[row.pair] += row.weight;
     if (!row.touching) held[row.pair] += row.weight;

@@ -2,6 +2,9 @@
 /// does no work on them, so that what holds them takes no force. What it still takes is an error of the cells.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -32,7 +35,7 @@ double imbalance(const BodyBalance& balance);
 std::string contact_fault(const SolvedState& state);
 
 /// Says which pair acts on a face whose normal a support holds (automatic pairs; named ones are refused before): no
-/// contact pressure acts there. Needs contact rows. Empty: none.
-std::string held_contact(const SolvedState& state, const Results& results);
+/// contact pressure acts there. Empty: none.
+std::string held_contact(const SolvedState& state, const std::vector<ContactRow>& rows);
 
 }  // namespace cgcontact

@@ -70,9 +70,9 @@ double gap_change(const SolvedState& state, const ContactPair& pair, const Conta
 }
 
 /// Smallest gap at the faces' boundary points.
-std::optional<LeastGap> gap_at_points(const Results& results, int pair) {
+std::optional<LeastGap> gap_at_points(const std::vector<ContactRow>& rows, int pair) {
   std::optional<LeastGap> least;
-  for (const ContactRow& row : results.contact_rows)
+  for (const ContactRow& row : rows)
     if (row.pair == pair && std::isfinite(row.gap) && (!least || row.gap < least->gap))
       least = LeastGap{row.gap, row.x, row.larger_cell};
   return least;
@@ -116,8 +116,8 @@ std::vector<double> missed_contact(const SolvedState& state) {
   return any ? reach : std::vector<double>();
 }
 
-std::optional<LeastGap> min_gap(const SolvedState& state, const Results& results, std::size_t pair) {
-  const std::optional<LeastGap> at_points = gap_at_points(results, static_cast<int>(pair));
+std::optional<LeastGap> min_gap(const SolvedState& state, const std::vector<ContactRow>& rows, std::size_t pair) {
+  const std::optional<LeastGap> at_points = gap_at_points(rows, static_cast<int>(pair));
   if (at_points && at_points->gap < 0) return at_points;
   std::optional<LeastGap> least = at_points;
   double enough = at_points ? at_points->gap : 0.0;
@@ -131,10 +131,10 @@ std::optional<LeastGap> min_gap(const SolvedState& state, const Results& results
   return least;
 }
 
-std::vector<MissedOverlap> missed_overlaps(const Results& results) {
+std::vector<MissedOverlap> missed_overlaps(const std::vector<PairFigures>& pairs) {
   std::vector<MissedOverlap> overlaps;
-  for (std::size_t p = 0; p < results.pairs.size(); ++p) {
-    const PairFigures& figures = results.pairs[p];
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const PairFigures& figures = pairs[p];
     if (figures.min_gap && *figures.min_gap < -min_overlap * figures.min_gap_cell)
       overlaps.push_back({static_cast<int>(p), -*figures.min_gap, figures.min_gap_at, figures.min_gap_cell});
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
@@ -22,7 +23,7 @@ struct LeastGap {
   Vec3 x = Vec3::Zero();  ///< m
   double cell = 0;        ///< m, size of the larger cell there
 };
-std::optional<LeastGap> min_gap(const SolvedState& state, const Results& results, std::size_t pair);
+std::optional<LeastGap> min_gap(const SolvedState& state, const std::vector<ContactRow>& rows, std::size_t pair);
 
 /// Deepest overlap of a pair that transmits no force.
 struct MissedOverlap {
@@ -32,8 +33,8 @@ struct MissedOverlap {
   double cell = 0;        ///< m, size of the larger cell there
 };
 
-/// Returns one for each pair of the results without a closed point whose faces overlap: the mean gap of groups decides
+/// Returns one for each pair without a closed point whose faces overlap: the mean gap of groups decides
 /// contact, so that a smaller zone may be lost. Needs the smallest gaps (open_gaps.hpp).
-std::vector<MissedOverlap> missed_overlaps(const Results& results);
+std::vector<MissedOverlap> missed_overlaps(const std::vector<PairFigures>& pairs);
 
 }  // namespace cgcontact

@@ -46,13 +46,14 @@ double squared_error(const BodyFields& body) {
 
 }  // namespace
 
-void estimate_gap_errors(const SolvedState& state, Results& results) {
+void estimate_gap_errors(const SolvedState& state, const std::vector<ContactRow>& rows,
+                         const std::vector<BodyFields>& bodies, std::vector<PairFigures>& pairs) {
   std::vector<double> deformation;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
-    PairFigures& figures = results.pairs[p];
+    PairFigures& figures = pairs[p];
     if (pair.bonded() || figures.active_points > 0) continue;
-    const auto nearest = min_gap(state, results, p);
+    const auto nearest = min_gap(state, rows, p);
     if (!nearest) continue;
     if (deformation.empty()) deformation = deformations(state);
     figures.min_gap = nearest->gap;
@@ -60,16 +61,16 @@ void estimate_gap_errors(const SolvedState& state, Results& results) {
     figures.min_gap_cell = nearest->cell;
     figures.min_gap_error = 0;
     for (const int body : {pair.primary, pair.secondary})
-      *figures.min_gap_error += safety * squared_error(results.bodies[body]) * deformation[body];
+      *figures.min_gap_error += safety * squared_error(bodies[body]) * deformation[body];
   }
 }
 
 double refinement_to_tell(double gap, double error) { return std::sqrt(std::max(gap / error, min_gap_ratio)); }
 
-std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results) {
+std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const std::vector<PairFigures>& pairs) {
   std::vector<UnclearGap> unclear;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
-    const PairFigures& figures = results.pairs[p];
+    const PairFigures& figures = pairs[p];
     if (!figures.min_gap || !(*figures.min_gap <= *figures.min_gap_error) || *figures.min_gap_error == 0) continue;
     const ContactPair& pair = state.pairs[p];
     const double modulus =

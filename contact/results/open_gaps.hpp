@@ -1,17 +1,20 @@
 /// Faces that nothing presses: check whether the gap that is left exceeds the error of the displacements.
 #pragma once
 
+#include <vector>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
 
-/// Sets the smallest gap and its estimated error of every pair without contact; needs contact rows and body fields.
+/// Sets the smallest gap and its estimated error of every pair without contact; bodies: with the errors of their cells.
 ///
 /// The error of a displacement goes with the square of that of the energy norm: for the load's own exactly, for that of
 /// a unit force at the gap as far as the cells resolve both equally well. So the error of the gap is the sum over both
 /// bodies of eta^2 times the largest displacement by which they deform, times a safety factor.
-void estimate_gap_errors(const SolvedState& state, Results& results);
+void estimate_gap_errors(const SolvedState& state, const std::vector<ContactRow>& rows,
+                         const std::vector<BodyFields>& bodies, std::vector<PairFigures>& pairs);
 
 /// A pair that nothing presses although its faces may touch, as far as the displacements are known.
 struct UnclearGap {
@@ -27,6 +30,6 @@ struct UnclearGap {
 double refinement_to_tell(double gap, double error);
 
 /// Returns one for each pair without contact whose smallest gap is not larger than its estimated error.
-std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results);
+std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const std::vector<PairFigures>& pairs);
 
 }  // namespace cgcontact

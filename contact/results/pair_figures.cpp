@@ -102,17 +102,17 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
 /// Adds the largest pressure, and the area of the contact zone: mean of both bodies. Closed points make up whole
 /// groups; the recovered pressure ends where the edge was found (sphere on block, ten cells over the contact radius:
 /// radius from closed points 2 to 3 % too small, from this within 0.2 %).
-void add_zone(const SolvedState& state, int k, const Results& results, PairFigures& figures) {
-  for (const ContactRow& r : results.contact_rows)
+void add_zone(const SolvedState& state, int k, const std::vector<ContactRow>& rows, PairFigures& figures) {
+  for (const ContactRow& r : rows)
     if (r.pair == k && r.touching) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
   constexpr double equal = 1 - rounding;  // of equal ones the first, whatever the rounding
-  const auto largest = std::find_if(results.contact_rows.begin(), results.contact_rows.end(), [&](const ContactRow& r) {
+  const auto largest = std::find_if(rows.begin(), rows.end(), [&](const ContactRow& r) {
     return r.pair == k && r.touching && r.pressure_sprc > equal * figures.max_pressure;
   });
-  if (figures.max_pressure > 0 && largest != results.contact_rows.end()) figures.max_pressure_at = largest->x;
+  if (figures.max_pressure > 0 && largest != rows.end()) figures.max_pressure_at = largest->x;
   const ContactPair& pair = state.pairs[k];
   if (state.scene.recovery.spr_c && !pair.bonded()) {
-    for (const ContactRow& r : results.contact_rows)
+    for (const ContactRow& r : rows)
       if (r.pair == k && r.touching && is_pressed(r, figures.max_pressure)) figures.area += 0.5 * r.weight;
   } else {
     for (std::size_t q = 0; q < pair.num_surface_points(); ++q)
@@ -143,7 +143,8 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
   }
 }
 
-void fill_pair_figures(const SolvedState& state, Results& results) {
+std::vector<PairFigures> pair_figures(const SolvedState& state, const std::vector<ContactRow>& rows) {
+  std::vector<PairFigures> pairs;
   const std::vector<double> forces = forces_of_pairs(state);
   const double all_forces = forces_of_scene(state, forces);
   const std::vector<double> normal = normal_forces(state);
@@ -159,13 +160,14 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points.active(q);
     if (figures.active_points > 0 && forces[k] > rounding * all_forces) {
       add_forces(state, pair, first_group, first_tangent, forces[k], figures);
-      add_zone(state, static_cast<int>(k), results, figures);
+      add_zone(state, static_cast<int>(k), rows, figures);
       if (!pair.bonded() && figures.area > 0) figures.zone.normal_force = state.bodies[pair.primary].slices * normal[k];
     }
-    results.pairs.push_back(figures);
+    pairs.push_back(figures);
     first_group += pair.groups.size();
     first_tangent += pair.num_tangents * pair.groups.size();
   }
+  return pairs;
 }
 
 std::vector<double> normal_forces(const SolvedState& state) {
@@ -179,7 +181,8 @@ std::vector<double> normal_forces(const SolvedState& state) {
   return forces;
 }
 
-std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results) {
+std::vector<std::string> lost_force_warnings(const SolvedState& state, const std::vector<ContactRow>& rows,
+                                             const std::vector<PairFigures>& pairs) {
   std::vector<std::string> warnings;
   std::size_t group = 0;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
@@ -188,10 +191,10 @@ std::vector<std::string> lost_force_warnings(const SolvedState& state, const Res
     for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group)
       transmitted += state.outer.group_force[group] * force_unit(state);
     // On the face the pressure has the force by itself; sums over boundary points miss peaks narrower than a cell.
-    if (!(results.pairs[k].area > 0) || pair.bonded() || results.pairs[k].pressure_on_face) continue;
+    if (!(pairs[k].area > 0) || pair.bonded() || pairs[k].pressure_on_face) continue;
     for (const int body : {pair.primary, pair.secondary}) {
       double recovered = 0;
-      for (const ContactRow& row : results.contact_rows)
+      for (const ContactRow& row : rows)
         if (row.pair == static_cast<int>(k) && row.body == body && row.touching)
           recovered += row.weight * row.pressure_sprc;
       if (!(transmitted > 0) || std::abs(recovered - transmitted) <= state.scene.results.lost_force * transmitted)

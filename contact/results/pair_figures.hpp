@@ -1,6 +1,9 @@
 /// Area, force, largest pressure and centre of every contact pair, from its contact zone alone.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -16,9 +19,9 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
 /// Returns whether there is pressure at a touching row. `largest`: of its pair.
 bool is_pressed(const ContactRow& row, double largest);
 
-/// Appends the figures of all pairs. A pair without closed points, or whose forces are rounding beside those of the
-/// scene, has exactly zero force, area, pressure and centre.
-void fill_pair_figures(const SolvedState& state, Results& results);
+/// Returns the figures of all pairs; rows: of the contact faces, empty: forces alone. A pair without closed points, or
+/// whose forces are rounding beside those of the scene, has exactly zero force, area, pressure and centre.
+std::vector<PairFigures> pair_figures(const SolvedState& state, const std::vector<ContactRow>& rows);
 
 /// Sums the forces of each pair's groups, N, compression positive; of a shrink fit too, whose resultant is
 /// nothing.
@@ -26,6 +29,7 @@ std::vector<double> normal_forces(const SolvedState& state);
 
 /// Returns a sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the
 /// transmitted force.
-std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results);
+std::vector<std::string> lost_force_warnings(const SolvedState& state, const std::vector<ContactRow>& rows,
+                                             const std::vector<PairFigures>& pairs);
 
 }  // namespace cgcontact

@@ -97,7 +97,8 @@ void fill_rank_figures(Results& results) {
                                     work.reductions, work.reduced_bytes, 0});
 }
 
-void fill_fields(const SolvedState& state, Results& results) {
+std::vector<BodyFields> body_fields(const SolvedState& state) {
+  std::vector<BodyFields> bodies;
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
     BodyFields fields;
     fields.name = state.bodies[b].spec->name;
@@ -111,12 +112,12 @@ void fill_fields(const SolvedState& state, Results& results) {
     fields.stress_at_corners = [&state, b](const std::vector<int>& cells, const std::vector<signed char>& corners) {
       return recovered_stress_at_corners(state, state.sprc[b], b, cells, corners);
     };
-    results.bodies.push_back(std::move(fields));
+    bodies.push_back(std::move(fields));
   }
+  return bodies;
 }
 
-void fill_body_fields(const SolvedState& state, Results& results) {
-  fill_fields(state, results);
+void estimate_energy_errors(const SolvedState& state, Results& results) {
   const double energy = state.scales.stress * std::pow(state.scales.length, 3);
   double error = 0, solution = 0, exact_error = 0;
   const ReferenceSpec& reference = state.reference;
@@ -193,18 +194,19 @@ Vec3 centroid_of(const SolvedState& state, const FaceRef& reference) {
 
 }  // namespace
 
-void fill_support_figures(const SolvedState& state, Results& results) {
+std::vector<SupportFigures> support_figures(const SolvedState& state) {
+  std::vector<SupportFigures> supports;
   for (const SupportSpec& support : state.scene.supports) {
     SupportFigures figures;
     figures.face = state.scene.bodies[support.face.body].name + "." + support.face.face.name;
     if (support.implied) figures.force = force_on_end(state, support.face);
     figures.about = centroid_of(state, support.face);
-    results.supports.push_back(figures);
+    supports.push_back(figures);
   }
   for (std::size_t s = 0; s < state.supports.size(); ++s) {
     const SupportPoint& p = state.supports[s];
     if (p.support < 0 || p.implied) continue;
-    SupportFigures& figures = results.supports[p.support];
+    SupportFigures& figures = supports[p.support];
     const Vec3 force = p.weight * state.outer.support_stress[s] * p.direction;
     const Vec3 x = global_position(state.bodies[p.body].cut_cells, p.cell, p.xi);
     figures.force += force;
@@ -212,30 +214,34 @@ void fill_support_figures(const SolvedState& state, Results& results) {
   }
   for (std::size_t s = 0; s < state.scene.supports.size(); ++s) {
     const BodySpec& body = state.scene.bodies[state.scene.supports[s].face.body];
-    sum_around_axis(body, results.supports[s].force, &results.supports[s].moment);
-    sum_around_axis(body, results.supports[s].about);
+    sum_around_axis(body, supports[s].force, &supports[s].moment);
+    sum_around_axis(body, supports[s].about);
     if (!body.plane_strain) continue;  // there the ends hold the body against moments about other axes
     const Vec3 axis = Vec3::Unit(static_cast<int>(*body.plane_strain));
-    results.supports[s].moment = results.supports[s].moment.dot(axis) * axis;
+    supports[s].moment = supports[s].moment.dot(axis) * axis;
   }
+  return supports;
 }
 
-void fill_balance(const SolvedState& state, Results& results) {
+std::vector<BodyBalance> balance_of_bodies(const SolvedState& state, const std::vector<SupportFigures>& supports,
+                                           const std::vector<PairFigures>& pairs) {
+  std::vector<BodyBalance> all;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     BodyBalance balance;
     balance.body = state.bodies[b].spec->name;
     balance.loads = state.outer.load_of_body[b];
     sum_around_axis(*state.bodies[b].spec, balance.loads);
-    for (std::size_t s = 0; s < results.supports.size(); ++s)
-      if (state.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += results.supports[s].force;
+    for (std::size_t s = 0; s < supports.size(); ++s)
+      if (state.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += supports[s].force;
     balance.holds = holding_force(state, static_cast<int>(b));
     balance.supports += balance.holds;
-    for (std::size_t k = 0; k < results.pairs.size(); ++k) {
-      if (state.pairs[k].spec->first.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_first;
-      if (state.pairs[k].spec->second.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_second;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      if (state.pairs[k].spec->first.body == static_cast<int>(b)) balance.contact += pairs[k].force_on_first;
+      if (state.pairs[k].spec->second.body == static_cast<int>(b)) balance.contact += pairs[k].force_on_second;
     }
-    results.balance.push_back(balance);
+    all.push_back(balance);
   }
+  return all;
 }
 
 void fill_pressure_errors(const SolvedState& state, Results& results) {

@@ -23,7 +23,7 @@ void leave_out_rounding(double size, RigidFigures& figures) {
   figures.rotation = without_rounding(figures.rotation, largest / size);
 }
 
-RigidFigures figures_of(const SolvedState& state, int b, const Results& results) {
+RigidFigures figures_of(const SolvedState& state, int b, const std::vector<PairFigures>& pairs) {
   const BodyModel& body = state.bodies[b];
   RigidFigures figures;
   const double size = body.slices * volume(body.cut_cells) * std::pow(body.cut_cells.grid.cell_size, 3);
@@ -44,7 +44,7 @@ RigidFigures figures_of(const SolvedState& state, int b, const Results& results)
     supports += (global_position(body.cut_cells, p.cell, p.xi) - c).cross(force);
   }
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
-    const PairFigures& pair = results.pairs[k];
+    const PairFigures& pair = pairs[k];
     if (state.pairs[k].spec->first.body == b) contact += pair.moment_on_first - c.cross(pair.force_on_first);
     if (state.pairs[k].spec->second.body == b) contact += pair.moment_on_second - c.cross(pair.force_on_second);
   }
@@ -56,9 +56,10 @@ RigidFigures figures_of(const SolvedState& state, int b, const Results& results)
 
 }  // namespace
 
-void fill_rigid_figures(const SolvedState& state, Results& results) {
+void set_rigid_figures(const SolvedState& state, const std::vector<PairFigures>& pairs,
+                       std::vector<BodyFields>& bodies) {
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b)
-    if (state.bodies[b].spec->rigid()) results.bodies[b].rigid = figures_of(state, b, results);
+    if (state.bodies[b].spec->rigid()) bodies[b].rigid = figures_of(state, b, pairs);
 }
 
 }  // namespace cgcontact

@@ -82,13 +82,13 @@ double size_of(const BodySpec& spec) {
 
 }  // namespace
 
-std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results) {
+std::vector<std::string> small_strain_warnings(const SolvedState& state, const std::vector<ContactRow>& rows) {
   std::vector<std::string> warnings;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     const BodySpec& spec = *state.bodies[b].spec;
     const StrainExtremes extremes = extremes_of(state, b);
     Largest pressure;
-    for (const ContactRow& row : results.contact_rows)
+    for (const ContactRow& row : rows)
       if (row.body == static_cast<int>(b)) pressure.add(row.pressure_sprc, row.x);
     const double size = size_of(spec), modulus = spec.material.youngs_modulus;
     const ResultOptions& limits = state.scene.results;

@@ -186,22 +186,21 @@ double largest_pressing_force(const Results& results) {
   return largest;
 }
 
-std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results) {
+std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const std::vector<PairFigures>& pairs) {
   std::vector<std::string> warnings;
-  for (const UnclearGap& gap : unclear_gaps(state, results))
-    warnings.push_back(unclear_text(results.pairs[gap.pair].name, gap));
+  for (const UnclearGap& gap : unclear_gaps(state, pairs)) warnings.push_back(unclear_text(pairs[gap.pair].name, gap));
   return warnings;
 }
 
 Verdict judge(const SolvedState& state, const Results& results) {
   Verdict verdict;
-  const std::vector<MissedOverlap> missed = missed_overlaps(results);
+  const std::vector<MissedOverlap> missed = missed_overlaps(results.pairs);
   std::vector<double> max_pressures;
   for (const PairFigures& pair : results.pairs) max_pressures.push_back(pair.bonded ? 0 : pair.max_pressure);
   const std::vector<PressureJump> jumps = state.scene.recovery.spr_c
                                               ? pressure_jumps(results.contact_rows, max_pressures, state.scene.results)
                                               : std::vector<PressureJump>();
-  const std::vector<UnclearGap> unclear = unclear_gaps(state, results);
+  const std::vector<UnclearGap> unclear = unclear_gaps(state, results.pairs);
   std::vector<Judged> pairs = judge_pairs(state, results, missed, unclear, jumps);
   const double largest = largest_pressing_force(results);
   for (Judged& j : pairs) {

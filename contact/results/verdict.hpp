@@ -1,6 +1,9 @@
 /// Verdict on a run: whether its contact is resolved, and if not, which cells would do.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -15,7 +18,7 @@ double pressing_force(const PairFigures& figures);
 double largest_pressing_force(const Results& results);
 
 /// Returns a sentence for each pair without a force whose faces may still touch.
-std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results);
+std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const std::vector<PairFigures>& pairs);
 
 /// Judges the run. Needs the pair figures with their gaps, contact rows and contact links of the last recovery.
 Verdict judge(const SolvedState& state, const Results& results);

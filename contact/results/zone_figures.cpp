@@ -33,9 +33,9 @@ Mat3 rotation_to(const Vec3& direction) { return rotation_between(direction, Vec
 /// The zone of one pair, and how it goes on behind planes of symmetry.
 class Zone {
  public:
-  Zone(const SolvedState& state, const Results& results, int pair)
-      : state_(state), pair_(state.pairs[pair]), figures_(results.pairs[pair]) {
-    for (const ContactRow& row : results.contact_rows)
+  Zone(const SolvedState& state, const std::vector<ContactRow>& rows, const std::vector<PairFigures>& pairs, int pair)
+      : state_(state), pair_(state.pairs[pair]), figures_(pairs[pair]) {
+    for (const ContactRow& row : rows)
       if (row.pair == pair && row.touching && is_pressed(row, figures_.max_pressure)) rows_.push_back(&row);
     find_planes();
     lay_out();
@@ -267,16 +267,17 @@ Vec3 mean_normal(const ContactPair& pair, std::size_t number) {
 
 }  // namespace
 
-ZoneFrame frame_of_zone(const SolvedState& state, const Results& results, int pair) {
-  return Zone(state, results, pair).frame();
+ZoneFrame frame_of_zone(const SolvedState& state, const std::vector<ContactRow>& rows,
+                        const std::vector<PairFigures>& pairs, int pair) {
+  return Zone(state, rows, pairs, pair).frame();
 }
 
-void fill_zone_figures(const SolvedState& state, Results& results) {
+void set_zone_figures(const SolvedState& state, const std::vector<ContactRow>& rows, std::vector<PairFigures>& pairs) {
   const double unit = state.scales.stress * state.scales.length * state.scales.length;
   std::size_t group = 0;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
     const ContactPair& pair = state.pairs[k];
-    PairFigures& figures = results.pairs[k];
+    PairFigures& figures = pairs[k];
     const std::size_t first = group;
     group += pair.groups.size();
     if (pair.spec->moment_about) figures.zone.moment = moment_about(*pair.spec->moment_about, figures);
@@ -289,7 +290,7 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
     }
     figures.zone.mean_pressure = figures.zone.normal_force / figures.area;
     if (pair.bonded()) continue;
-    const Zone zone(state, results, static_cast<int>(k));
+    const Zone zone(state, rows, pairs, static_cast<int>(k));
     figures.zone.sectors = zone.num_sectors();
     figures.zone.planes = zone.reached_planes();
     figures.zone.extent = zone.extent();

@@ -20,7 +20,7 @@ struct ZoneWidth {
 /// width at a point of its ridge is twice the distance from all open points (ends of a face, and faces of a plate one
 /// cell thick, do not count), refined by the spread of the transmitted forces along that direction; averaged over the
 /// ridge, as whole groups make a long zone too wide in some positions. Zones smaller than the cells have the width that
-/// their law gives (small_zones.hpp). Needs the contact links with their pressures (Simulation::recover).
+/// their law gives (small_zones.hpp). Needs the contact links with their pressures (contact/stress_recovery.hpp).
 std::vector<ZoneWidth> zone_widths(const SolvedState& state);
 
 }  // namespace cgcontact

@@ -1,5 +1,6 @@
 #include "contact/solve/solved_state.hpp"
 
+#include "contact/model/contact_system.hpp"
 #include "core/base/parallel.hpp"
 
 namespace cgcontact {
@@ -18,6 +19,12 @@ void corner_displacements(const SolvedState& state, int body, int cell, double o
 }
 
 }  // namespace
+
+void SolvedState::make_system(const ExecSpace& exec) {
+  for (BodyModel& body : bodies) body.cut_cells.gather_moments();
+  scales = make_scales(scene);
+  system = make_contact_system(scene, bodies, supports, pairs, scales, exec);
+}
 
 void SolvedState::release_assembly_data() {
   for (BodyModel& body : bodies) body.cut_cells.drop_moments();

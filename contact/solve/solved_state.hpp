@@ -30,6 +30,8 @@ struct SolvedState {
   std::vector<PatchStates> patch_states;  ///< by body; empty without SPR-C
   ReferenceSpec reference;                ///< what the results are compared with
 
+  /// Makes the scales and the system of the present supports and pairs. exec: what makes the rows of the groups.
+  void make_system(const ExecSpace& exec);
   /// Forgets what the fields do not need and the figures have been made of: moments of the cells, points of supports.
   void release_assembly_data();
 };

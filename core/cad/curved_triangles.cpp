@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "core/base/errors.hpp"
 
@@ -119,18 +120,53 @@ double CurvedTriangles::largest_sag(const Wanted& wanted) const {
   return largest;
 }
 
-/// Sides of several triangles are divided alike: what they are decided by belongs to the side, not to the triangle.
+namespace {
+
+/// Names a side that several triangles may have.
+std::tuple<int, int, int> key_of(const Triangle& corners, const CurvedTriangle& triangle, int s) {
+  const auto [low, high] = std::minmax(corners[s], corners[(s + 1) % 3]);
+  const int edge = triangle.sides[s].edge;
+  return {low, high, edge >= 0 ? edge : -1 - triangle.face};
+}
+
+}  // namespace
+
+/// Up to six points around a triangle that is divided: its corners and the middles of its sides.
+struct CurvedTriangles::Rim {
+  struct Point {
+    int point;
+    Vec2 uv;
+    int corner;  ///< -1: a middle
+  };
+  std::vector<Point> points;
+  std::vector<CurvedTriangle::Side> sides;  ///< from each point to the next
+
+  int size() const { return static_cast<int>(points.size()); }
+  bool is_corner(int k) const { return points[k % size()].corner >= 0; }
+};
+
 bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
   if (triangles.size() > max_curved_triangles)
     throw InputError(fmt::format("it takes more than {} triangles to follow its faces: the cells are too small for it",
                                  max_curved_triangles));
-  using Key = std::tuple<int, int, int>;  // two points and the CAD edge, or the face
-  const auto key_of = [&](std::size_t t, int s) {
-    const auto [low, high] = std::minmax(corners[t][s], corners[t][(s + 1) % 3]);
-    const int edge = triangles[t].sides[s].edge;
-    return Key{low, high, edge >= 0 ? edge : -1 - triangles[t].face};
-  };
-  std::map<Key, int> middle;  // number of the new point, -1: none
+  const SideMiddles middles = add_middles(sag, wanted);
+  if (std::all_of(middles.begin(), middles.end(), [](const auto& entry) { return entry.second < 0; })) return false;
+  const std::vector<Triangle> old_corners = std::move(corners);
+  const std::vector<CurvedTriangle> old_triangles = std::move(triangles);
+  corners.clear();
+  triangles.clear();
+  for (std::size_t t = 0; t < old_triangles.size(); ++t) {
+    const CurvedTriangle& old = old_triangles[t];
+    const Rim rim = rim_of(old_corners[t], old, middles);
+    for (const std::array<int, 3>& child : children_of(rim, old.pole)) add_child(old, rim, child);
+  }
+  return true;
+}
+
+/// Adds points in the middle of sides that are too far from the surface. Sides of several triangles are divided alike:
+/// what they are decided by belongs to the side, not to the triangle.
+CurvedTriangles::SideMiddles CurvedTriangles::add_middles(double sag, const Wanted& wanted) {
+  SideMiddles middles;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (!is_wanted(t, wanted)) continue;
     // A triangle whose middle is too far away although its sides are not: all sides.
@@ -138,7 +174,7 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
     const bool all = !is_plane(static_cast<int>(t)) &&
                      (point_at(static_cast<int>(t), 1.0 / 3, 1.0 / 3).x - centroid).norm() > 2 * sag;
     for (int s = 0; s < 3; ++s) {
-      const auto [entry, added] = middle.try_emplace(key_of(t, s), -1);
+      const auto [entry, added] = middles.try_emplace(key_of(corners[t], triangles[t], s), -1);
       if (entry->second >= 0) continue;
       if (!all && (!added || sag_of_side(t, s) <= sag)) continue;
       SurfaceJet jet;
@@ -147,87 +183,66 @@ bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
       points.push_back(placement(jet.x));
     }
   }
-  if (std::all_of(middle.begin(), middle.end(), [](const auto& entry) { return entry.second < 0; })) return false;
+  return middles;
+}
 
-  const std::vector<Triangle> old_corners = std::move(corners);
-  const std::vector<CurvedTriangle> old_triangles = std::move(triangles);
-  corners.clear();
-  triangles.clear();
-  for (std::size_t t = 0; t < old_triangles.size(); ++t) {
-    const CurvedTriangle& old = old_triangles[t];
-    // Up to six points around the triangle: its corners and the middles of its sides.
-    struct RimPoint {
-      int point;
-      Vec2 uv;
-      int corner;  ///< -1: a middle
-    };
-    std::vector<RimPoint> around;
-    std::vector<CurvedTriangle::Side> sides;  // from each point to the next
-    for (int s = 0; s < 3; ++s) {
-      around.push_back({old_corners[t][s], old.uv[s], s});
-      const auto [low, high] = std::minmax(old_corners[t][s], old_corners[t][(s + 1) % 3]);
-      const auto found = middle.find({low, high, old.sides[s].edge >= 0 ? old.sides[s].edge : -1 - old.face});
-      const int number = found == middle.end() ? -1 : found->second;
-      CurvedTriangle::Side side = old.sides[s];
-      if (number >= 0) {
-        CurvedTriangle::Side first = side;
-        first.t1 = side.t0 = (side.t0 + side.t1) / 2;
-        sides.push_back(first);
-        around.push_back({number, middle_of_side(old, s), -1});
-      }
-      sides.push_back(side);
+CurvedTriangles::Rim CurvedTriangles::rim_of(const Triangle& corners_of, const CurvedTriangle& triangle,
+                                             const SideMiddles& middles) const {
+  Rim rim;
+  for (int s = 0; s < 3; ++s) {
+    rim.points.push_back({corners_of[s], triangle.uv[s], s});
+    const auto found = middles.find(key_of(corners_of, triangle, s));
+    const int number = found == middles.end() ? -1 : found->second;
+    CurvedTriangle::Side side = triangle.sides[s];
+    if (number >= 0) {
+      CurvedTriangle::Side first = side;
+      first.t1 = side.t0 = (side.t0 + side.t1) / 2;
+      rim.sides.push_back(first);
+      rim.points.push_back({number, middle_of_side(triangle, s), -1});
     }
-    const int n = static_cast<int>(around.size());
-    const auto emit = [&](int i, int j, int k) {
-      CurvedTriangle child;
-      child.face = old.face;
-      const int indices[3] = {i, j, k};
-      Triangle points_of;
-      for (int c = 0; c < 3; ++c) {
-        const RimPoint& from = around[indices[c]];
-        points_of[c] = from.point;
-        child.uv[c] = from.uv;
-        if (from.corner >= 0 && from.corner == old.pole) {
-          child.pole = c;
-          child.pole_axis = old.pole_axis;
-        }
-        if (indices[(c + 1) % 3] == (indices[c] + 1) % n) child.sides[c] = sides[indices[c]];
-      }
-      corners.push_back(points_of);
-      triangles.push_back(child);
-    };
-    if (n == 3) {
-      emit(0, 1, 2);
-    } else if (n == 6) {
-      emit(5, 0, 1);
-      emit(1, 2, 3);
-      emit(3, 4, 5);
-      emit(1, 3, 5);
-    } else if (n == 4) {
-      // From the middle to the corner opposite.
-      int m = 0;
-      while (around[m].corner >= 0) ++m;
-      emit(m, (m + 1) % 4, (m + 2) % 4);
-      emit(m, (m + 2) % 4, (m + 3) % 4);
-    } else {
-      // Corner between the two middles, then a quadrangle: along its shorter diagonal.
-      int c = 0;
-      while (!(around[c].corner >= 0 && around[(c + 4) % 5].corner < 0 && around[(c + 1) % 5].corner < 0)) ++c;
-      const auto at = [&](int k) { return (c + k) % 5; };
-      emit(at(4), at(0), at(1));
-      const auto length = [&](int i, int j) { return (points[around[i].point] - points[around[j].point]).norm(); };
-      const bool to_pole = old.pole >= 0 && around[at(0)].corner != old.pole;
-      const bool first = to_pole ? around[at(3)].corner == old.pole : length(at(1), at(3)) < length(at(2), at(4));
-      if (first) {
-        emit(at(1), at(2), at(3));
-        emit(at(1), at(3), at(4));
-      } else {
-        emit(at(1), at(2), at(4));
-        emit(at(2), at(3), at(4));
-      }
-    }
+    rim.sides.push_back(side);
   }
-  return true;
+  return rim;
+}
+
+/// Triangles that fill the rim, as indices of its points. pole: of the corners, < 0: none.
+std::vector<std::array<int, 3>> CurvedTriangles::children_of(const Rim& rim, int pole) const {
+  if (rim.size() == 3) return {{0, 1, 2}};
+  if (rim.size() == 6) return {{5, 0, 1}, {1, 2, 3}, {3, 4, 5}, {1, 3, 5}};
+  if (rim.size() == 4) {  // from the middle to the corner opposite
+    int m = 0;
+    while (rim.is_corner(m)) ++m;
+    return {{m, (m + 1) % 4, (m + 2) % 4}, {m, (m + 2) % 4, (m + 3) % 4}};
+  }
+  // Corner between the two middles, then a quadrangle: along its shorter diagonal.
+  int c = 0;
+  while (!(rim.is_corner(c) && !rim.is_corner(c + 4) && !rim.is_corner(c + 1))) ++c;
+  const auto at = [&](int k) { return (c + k) % 5; };
+  const auto length = [&](int i, int j) {
+    return (points[rim.points[at(i)].point] - points[rim.points[at(j)].point]).norm();
+  };
+  const bool to_pole = pole >= 0 && rim.points[at(0)].corner != pole;
+  const bool first = to_pole ? rim.points[at(3)].corner == pole : length(1, 3) < length(2, 4);
+  if (first) return {{at(4), at(0), at(1)}, {at(1), at(2), at(3)}, {at(1), at(3), at(4)}};
+  return {{at(4), at(0), at(1)}, {at(1), at(2), at(4)}, {at(2), at(3), at(4)}};
+}
+
+void CurvedTriangles::add_child(const CurvedTriangle& parent, const Rim& rim, const std::array<int, 3>& child) {
+  CurvedTriangle triangle;
+  triangle.face = parent.face;
+  Triangle points_of;
+  for (int c = 0; c < 3; ++c) {
+    const Rim::Point& from = rim.points[child[c]];
+    points_of[c] = from.point;
+    triangle.uv[c] = from.uv;
+    if (from.corner >= 0 && from.corner == parent.pole) {
+      triangle.pole = c;
+      triangle.pole_axis = parent.pole_axis;
+    }
+    if (child[(c + 1) % 3] == (child[c] + 1) % rim.size()) triangle.sides[c] = rim.sides[child[c]];
+  }
+  corners.push_back(points_of);
+  triangles.push_back(triangle);
 }
 
 void CurvedTriangles::find_bends() {

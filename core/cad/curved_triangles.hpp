@@ -6,7 +6,9 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "core/geometry/parametric_surface.hpp"
@@ -94,11 +96,19 @@ class CurvedTriangles {
   struct Map {
     Vec2 uv, along_a, along_b;
   };
+  /// Numbers of the new points in the middle of sides, -1: none. A side: two points and the CAD edge, or the face; so
+  /// that of several triangles is one.
+  using SideMiddles = std::map<std::tuple<int, int, int>, int>;
+  struct Rim;
   Map map(int triangle, double a, double b) const;
   Vec2 middle_of_side(const CurvedTriangle& triangle, int side) const;
   double sag_of_side(std::size_t triangle, int side) const;
   bool is_wanted(std::size_t triangle, const Wanted& wanted) const;
   bool divide_long_sides(double sag, const Wanted& wanted);
+  SideMiddles add_middles(double sag, const Wanted& wanted);
+  Rim rim_of(const Triangle& corners_of, const CurvedTriangle& triangle, const SideMiddles& middles) const;
+  std::vector<std::array<int, 3>> children_of(const Rim& rim, int pole) const;
+  void add_child(const CurvedTriangle& parent, const Rim& rim, const std::array<int, 3>& child);
   void find_bends();
 };
 

@@ -1,6 +1,7 @@
 /// Results of a run for the output: fields as functions, contact rows, figures. SI units, global axes.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -345,6 +346,12 @@ struct Results {
   AccuracyFigures accuracy;
   std::vector<SingularPoint> singular_points;  ///< with [accuracy], from two solves on
 };
+
+/// Adds a warning, once, however many steps give it.
+inline void add_warning(Results& results, const std::string& warning) {
+  std::vector<std::string>& all = results.warnings;
+  if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
+}
 
 /// Returns whether any pair has a friction coefficient.
 inline bool has_friction(const Results& results) {

@@ -10,6 +10,7 @@
 #include "core/base/decompositions.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
+#include "kernels/multigrid/surface_rows.hpp"
 
 namespace cgcontact {
 namespace {
@@ -218,123 +219,70 @@ Mat3 SurfaceSmoother<Real>::inverse(int node) const {
 
 template <class Real>
 void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness) {
-  // W by rows, then by touched nodes: those of a row, and the rest of their columns.
-  std::vector<int> row_begin{0}, row_node, count(num_nodes_, 0);
-  std::vector<Vec3> row_b, row_w;  // sqrt(k) b and D^-1 sqrt(k) b of each node of each row
-  std::vector<std::pair<int, Vec3>> entries;
-  std::vector<int> row_columns;
-  const std::size_t num_supports = supports_.rows.size();
-  for (std::size_t r = 0; r < num_supports + rows.size(); ++r) {
-    const GroupRow& row = r < num_supports ? supports_.rows[r] : rows[r - num_supports];
-    const double k = r < num_supports ? supports_.stiffness[r] : stiffness[r - num_supports];
-    if (k <= 0) continue;
-    const double root = std::sqrt(k);
-    entries.clear();
-    row_columns.clear();
-    for (const auto& [dof, value] : row.entries) {
-      const int node = node_of_dof(dof);
-      if (entries.empty() || entries.back().first != node) {
-        entries.emplace_back(node, Vec3::Zero());
-        if (columns_.column_of_node(node) >= 0) row_columns.push_back(columns_.column_of_node(node));
-      }
-      entries.back().second[component_of_dof(dof)] = root * value;
-    }
-    std::sort(row_columns.begin(), row_columns.end());
-    row_columns.erase(std::unique(row_columns.begin(), row_columns.end()), row_columns.end());
-    const std::size_t own = entries.size();
-    const auto find = [&](int node) {
-      const auto e = std::lower_bound(entries.begin(), entries.begin() + own, node,
-                                      [](const auto& entry, int n) { return entry.first < n; });
-      return e != entries.begin() + own && e->first == node ? static_cast<int>(e - entries.begin()) : -1;
-    };
-    for (int c : row_columns) {
-      const auto& column = columns_.columns(c);
-      for (int p = 0; p < column.size; ++p)
-        if (const int node = columns_.nodes(column.first + p); find(node) < 0) entries.emplace_back(node, Vec3::Zero());
-    }
-    std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [node, b] : entries) {
-      row_node.push_back(node);
-      row_b.push_back(b);
-      row_w.push_back(columns_.column_of_node(node) < 0 ? Vec3(inverse(node) * b) : Vec3(Vec3::Zero()));
-      ++count[node];
-    }
-    const auto position_of = [&](int node) {
-      return std::lower_bound(row_node.begin() + row_begin.back(), row_node.end(), node) - row_node.begin();
-    };
-    for (int c : row_columns) {
-      const auto& column = columns_.columns(c);
-      for (int p = 0; p < column.size; ++p)
-        for (int q = 0; q < column.size; ++q) {
-          const Vec3& b = row_b[position_of(columns_.nodes(column.first + q))];
-          Vec3& w = row_w[position_of(columns_.nodes(column.first + p))];
-          for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) w[i] += columns_.matrices(column.entry(dof_of(p, i), dof_of(q, j))) * b[j];
-        }
-    }
-    row_begin.push_back(static_cast<int>(row_node.size()));
-  }
-  const int num_rows = num_rows_ = static_cast<int>(row_begin.size()) - 1;
-  std::vector<int> node_begin{0}, touched(num_nodes_, -1), touched_nodes;
-  for (int n = 0; n < num_nodes_; ++n) {
-    if (count[n] == 0) continue;
-    touched[n] = static_cast<int>(touched_nodes.size());
-    touched_nodes.push_back(n);
-    node_begin.push_back(node_begin.back() + count[n]);
-  }
-  std::vector<int> node_row(row_node.size()), node_entry(row_node.size()),
-      position(node_begin.begin(), node_begin.end());
-  for (int r = 0; r < num_rows; ++r)
-    for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
-      const int p = position[touched[row_node[e]]]++;
-      node_row[p] = r;
-      node_entry[p] = e;
-    }
-  touched_ = copy_to_view<IntView>("cgcontact::smoother::touched", touched_nodes);
-  node_begin_ = copy_to_view<IntView>("cgcontact::smoother::node_begin", node_begin);
-  node_row_ = copy_to_view<IntView>("cgcontact::smoother::node_row", node_row);
-  row_begin_ = copy_to_view<IntView>("cgcontact::smoother::row_begin", row_begin);
-  row_node_ = copy_to_view<IntView>("cgcontact::smoother::row_node", row_node);
-  node_w_ = decltype(node_w_)("cgcontact::smoother::node_w", row_node.size());
-  row_w_ = decltype(row_w_)("cgcontact::smoother::row_w", row_node.size());
-  for (std::size_t e = 0; e < row_node.size(); ++e)
+  SurfaceRows surface;
+  const auto add = [&](const GroupRow& row, double k) {
+    surface.add(row, k, columns_, [this](int node) { return inverse(node); });
+  };
+  for (std::size_t r = 0; r < supports_.rows.size(); ++r) add(supports_.rows[r], supports_.stiffness[r]);
+  for (std::size_t r = 0; r < rows.size(); ++r) add(rows[r], stiffness[r]);
+  surface.sort_by_nodes(num_nodes_);
+  store_rows(surface);
+  make_matrix(surface);
+}
+
+/// Copies the rows to where kernels read them.
+template <class Real>
+void SurfaceSmoother<Real>::store_rows(const SurfaceRows& rows) {
+  num_rows_ = rows.num_rows();
+  touched_ = copy_to_view<IntView>("cgcontact::smoother::touched", rows.touched_nodes);
+  node_begin_ = copy_to_view<IntView>("cgcontact::smoother::node_begin", rows.node_begin);
+  node_row_ = copy_to_view<IntView>("cgcontact::smoother::node_row", rows.node_row);
+  row_begin_ = copy_to_view<IntView>("cgcontact::smoother::row_begin", rows.begin);
+  row_node_ = copy_to_view<IntView>("cgcontact::smoother::row_node", rows.node);
+  node_w_ = decltype(node_w_)("cgcontact::smoother::node_w", rows.node.size());
+  row_w_ = decltype(row_w_)("cgcontact::smoother::row_w", rows.node.size());
+  for (std::size_t e = 0; e < rows.node.size(); ++e)
     for (int i = 0; i < 3; ++i) {
-      row_w_(e, i) = static_cast<Real>(row_w[e][i]);
-      node_w_(e, i) = static_cast<Real>(row_w[node_entry[e]][i]);
+      row_w_(e, i) = static_cast<Real>(rows.w[e][i]);
+      node_w_(e, i) = static_cast<Real>(rows.w[rows.node_entry[e]][i]);
     }
-  surface_ = Vector("cgcontact::smoother::surface", num_rows);
+  surface_ = Vector("cgcontact::smoother::surface", num_rows_);
+}
+
+/// C = 1 + sum over touched nodes b^T D^-1 b.
+template <class Real>
+void SurfaceSmoother<Real>::make_matrix(const SurfaceRows& rows) {
   matrix_.reset();
-  if (num_rows == 0) return;
-  // C = 1 + sum over touched nodes b^T D^-1 b.
-  typename SurfaceMatrix<Real>::Entries matrix_entries;
-  std::vector<double> sum(num_rows, 0.0);
+  if (num_rows_ == 0) return;
+  typename SurfaceMatrix<Real>::Entries entries;
+  std::vector<double> sum(num_rows_, 0.0);
   std::vector<int> marked;
-  std::vector<char> seen(num_rows, 0);
-  for (int r = 0; r < num_rows; ++r) {
-    if (dofs_.halo() && row_begin[r] == row_begin[r + 1]) continue;  // the row of other ranks
+  std::vector<char> seen(num_rows_, 0);
+  for (int r = 0; r < num_rows_; ++r) {
+    if (dofs_.halo() && rows.begin[r] == rows.begin[r + 1]) continue;  // the row of other ranks
     marked.assign(1, r);
     seen[r] = 1;
     sum[r] = dofs_.halo() ? 0 : 1;
-    for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
-      const int t = touched[row_node[e]];
-      for (int p = node_begin[t]; p < node_begin[t + 1]; ++p) {
-        const int s = node_row[p];
+    for (int e = rows.begin[r]; e < rows.begin[r + 1]; ++e) {
+      const int t = rows.touched[rows.node[e]];
+      for (int p = rows.node_begin[t]; p < rows.node_begin[t + 1]; ++p) {
+        const int s = rows.node_row[p];
         if (s < r) continue;
         if (!seen[s]) {
           seen[s] = 1;
           marked.push_back(s);
         }
-        sum[s] += row_b[e].dot(row_w[node_entry[p]]);
+        sum[s] += rows.b[e].dot(rows.w[rows.node_entry[p]]);
       }
     }
-    for (int s : marked) {
-      matrix_entries.emplace_back(s, r, static_cast<Real>(sum[s]));
+    for (const int s : marked) {
+      entries.emplace_back(s, r, static_cast<Real>(sum[s]));
       sum[s] = 0;
       seen[s] = 0;
     }
   }
-  matrix_ = dofs_.halo() ? std::make_shared<const SurfaceMatrix<Real>>(num_rows, matrix_entries, dofs_.halo()->comm())
-                         : std::make_shared<const SurfaceMatrix<Real>>(num_rows, matrix_entries);
+  matrix_ = dofs_.halo() ? std::make_shared<const SurfaceMatrix<Real>>(num_rows_, entries, dofs_.halo()->comm())
+                         : std::make_shared<const SurfaceMatrix<Real>>(num_rows_, entries);
 }
 
 template <class Real>

@@ -25,6 +25,8 @@ struct SupportRows {
 template <class Real>
 SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns);
 
+struct SurfaceRows;
+
 /// Node blocks and surface rows: applies M^-1.
 template <class Real>
 class SurfaceSmoother {
@@ -46,6 +48,8 @@ class SurfaceSmoother {
             bool overwrite) const;
 
  private:
+  void store_rows(const SurfaceRows& rows);
+  void make_matrix(const SurfaceRows& rows);
   void multiply_rows(const ExecSpace& exec, const Vector& r) const;
   Mat3 inverse(int node) const;
   void take_out_supports(const BlocksView& blocks);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "core/base/parallel.hpp"
 #include "kernels/mesh/host_copy.hpp"
@@ -118,9 +119,10 @@ class SupportedCells {
 /// Cell of the band, with what decides its position.
 struct BandCell {
   int body, cell, slab;
-  int pair_mask;  ///< 64: full cell; 128 + axis: soft
+  int pair_mask;  ///< of its support terms, or full_cell
   int parity;     ///< neighbours along x are kept apart: the one stores what the other loads
 };
+constexpr int full_cell = 64;  // no mask of six pairs
 
 }  // namespace
 
@@ -188,130 +190,203 @@ std::size_t BandCells<Real>::bytes() const {
          (moments.size() + pairs.size()) * sizeof(Real) + batches.size() * sizeof(Batch);
 }
 
+namespace {
+
+/// The material of a level's cells, in units of mu.
+template <class Real>
+typename BandCells<Real>::Law law_of(const BodyMesh& mesh) {
+  typename BandCells<Real>::Law law;
+  law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
+  law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
+  for (int p = 0; p < 3; ++p)
+    law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
+  law.fold = mesh.is_one_layer() ? 1 << mesh.cut_cells->grid.plane_strain : 0;
+  law.ring = mesh.is_axisymmetric();
+  return law;
+}
+
+/// Makes the cells of the band in three steps: a list of the cells in order, batches of them, what a batch stores.
+template <class Real>
+class BandMaker {
+ public:
+  BandMaker(const ElasticSystem& system, const std::vector<char>& by_stencil, const SlabPartition& slabs)
+      : system_(system), by_stencil_(by_stencil), slabs_(slabs), levels_(system.level_meshes()) {}
+
+  BandCells<Real> make() {
+    constexpr std::size_t cache = 16 << 20;
+    result_.far = sizeof(Real) * system_.num_dofs() > cache;
+    for (std::size_t b = 0; b < levels_.size(); ++b) list_cells(static_cast<int>(b));
+    std::stable_sort(list_.begin(), list_.end(), [](const BandCell& a, const BandCell& b) {
+      return std::tie(a.slab, a.pair_mask, a.parity) < std::tie(b.slab, b.pair_mask, b.parity);
+    });
+    count_cells();
+    make_batches();
+    store_batches();
+    std::vector<typename BandCells<Real>::Law> laws;
+    for (const BodyMesh* mesh : levels_) laws.push_back(law_of<Real>(*mesh));
+    result_.laws = copy_to_view<decltype(result_.laws)>("cgcontact::band::laws", laws);
+    return std::move(result_);
+  }
+
+ private:
+  using Batch = typename BandCells<Real>::Batch;
+  static constexpr int L = BandCells<Real>::L;
+  enum class Kind : char { by_stencil_alone, full, cut };
+
+  std::vector<Kind> kinds_of_cells(const BodyMesh& mesh, const SupportedCells& supported) const {
+    std::vector<Kind> kinds(mesh.cut_cells->cells.size());
+    parallel_for("cgcontact::band::kind", kinds.size(), grain_of_medium, [&](const std::size_t e) {
+      const auto& n = mesh.cell_nodes[e];
+      const bool inside =
+          std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil_[node] || !system_.needs(node); });
+      const bool is_cut = mesh.is_axisymmetric() || supported.find(e) || !counts_as_full(*mesh.cut_cells, e);
+      kinds[e] = is_cut ? Kind::cut : inside ? Kind::by_stencil_alone : Kind::full;
+    });
+    return kinds;
+  }
+
+  /// Appends the cells of a level that the band has.
+  void list_cells(int level) {
+    const BodyMesh& mesh = *levels_[level];
+    const CutCells& cc = *mesh.cut_cells;
+    const SupportedCells& supported = supports_.emplace_back(system_.supports[level], cc.cells.size());
+    const std::vector<Kind> kinds = kinds_of_cells(mesh, supported);
+    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      if (kinds[e] == Kind::by_stencil_alone || !system_.needs_cell(mesh, static_cast<int>(e))) continue;
+      const Index3& c = cc.cells[e];
+      BandCell cell{level, static_cast<int>(e), slabs_.slab_of(level, c), 0, 2 * c[2] + (c[0] & 1)};
+      const SupportMoments* const support = supported.find(e);
+      cell.pair_mask = kinds[e] == Kind::full ? full_cell : support ? support->mask() : 0;
+      list_.push_back(cell);
+    }
+  }
+
+  void count_cells() {
+    for (const BandCell& cell : list_) {
+      const bool full = cell.pair_mask == full_cell;
+      ++(full ? result_.num_full : result_.num_cut);
+      result_.num_supported += !full && cell.pair_mask;
+    }
+  }
+
+  /// Divides the list into batches of one slab and mask each.
+  void make_batches() {
+    chunk_begin_.assign(slabs_.colour_of_slab.size() + 1, 0);
+    for (std::size_t p = 0; p < list_.size();) {
+      std::size_t end = p;
+      while (end < list_.size() && end < p + L && list_[end].slab == list_[p].slab &&
+             list_[end].pair_mask == list_[p].pair_mask)
+        ++end;
+      Batch batch{};
+      batch.body = list_[p].body;
+      batch.count = static_cast<int>(end - p);
+      const bool full = list_[p].pair_mask == full_cell;
+      batch.moments = full ? -1 : num_moments_++;
+      batch.pairs = num_pairs_;
+      batch.pair_mask = full ? 0 : list_[p].pair_mask;
+      for (int bit = 0; bit < 6; ++bit) num_pairs_ += batch.pair_mask >> bit & 1;
+      ++chunk_begin_[list_[p].slab + 1];
+      batches_.push_back(batch);
+      first_cell_.push_back(p);
+      p = end;
+    }
+    std::partial_sum(chunk_begin_.begin(), chunk_begin_.end(), chunk_begin_.begin());
+  }
+
+  void store_batches() {
+    result_.nodes = decltype(result_.nodes)("cgcontact::band::nodes", batches_.size());
+    result_.stencil_lanes = decltype(result_.stencil_lanes)("cgcontact::band::stencil_lanes", batches_.size());
+    result_.moments = decltype(result_.moments)("cgcontact::band::moments", num_moments_);
+    result_.pairs = decltype(result_.pairs)("cgcontact::band::pairs", num_pairs_);
+    nodes_ = Kokkos::create_mirror_view(result_.nodes);
+    stencil_lanes_ = Kokkos::create_mirror_view(result_.stencil_lanes);
+    moments_ = Kokkos::create_mirror_view(result_.moments);
+    pairs_ = Kokkos::create_mirror_view(result_.pairs);
+    parallel_for("cgcontact::band::setup", batches_.size(), grain_of_heavy, [&](const std::size_t b) {
+      for (int l = 0; l < L; ++l) set_nodes(b, l);
+      for (int l = 0; l < batches_[b].count; ++l) {  // the moments of the other lanes stay zero
+        set_stencil_lane(b, l);
+        if (batches_[b].moments < 0) continue;
+        set_moments(b, l);
+        set_pairs(b, l);
+      }
+    });
+    Kokkos::deep_copy(result_.nodes, nodes_);
+    Kokkos::deep_copy(result_.stencil_lanes, stencil_lanes_);
+    Kokkos::deep_copy(result_.moments, moments_);
+    Kokkos::deep_copy(result_.pairs, pairs_);
+    result_.batches = copy_to_view<decltype(result_.batches)>("cgcontact::band::batches", batches_);
+    result_.chunk_begin = copy_to_view<IntView>("cgcontact::band::chunk_begin", chunk_begin_);
+  }
+
+  /// Sets those of the lane's cell; of the first one where there is none, whose forces are dropped.
+  void set_nodes(std::size_t b, int l) {
+    const BandCell& cell = list_[first_cell_[b] + (l < batches_[b].count ? l : 0)];
+    const auto& corners = levels_[cell.body]->cell_nodes[cell.cell];
+    for (int pair = 0; pair < 4; ++pair) nodes_(b, pair, l) = corners[2 * pair];
+  }
+
+  void set_stencil_lane(std::size_t b, int l) {
+    const BandCell& cell = list_[first_cell_[b] + l];
+    const auto& corners = levels_[cell.body]->cell_nodes[cell.cell];
+    for (int a = 0; a < 8; ++a)
+      if (by_stencil_[corners[a]]) {
+        stencil_lanes_(b, a) |= 1 << l;
+        batches_[b].stencil_any = 1;
+      }
+  }
+
+  void set_moments(std::size_t b, int l) {
+    const BandCell& cell = list_[first_cell_[b] + l];
+    const BodyMesh& mesh = *levels_[cell.body];
+    const CutCells& cc = *mesh.cut_cells;
+    const double scale = moment_scale(mesh, mesh.thickness_of_level(cc.level(cell.cell)));
+    double m[27];
+    if (mesh.is_axisymmetric())
+      ring_moments(mesh, cell.cell, m);
+    else
+      monomial_moments(cc.moments[cc.cut_of_active[cell.cell]], m);
+    const int row = batches_[b].moments;
+    for (int e = 0; e < 27; ++e) moments_(row, e, l) = static_cast<Real>(scale * m[e]);
+    constexpr int diameter = band::ring_moment::diameter;
+    if (mesh.is_axisymmetric()) moments_(row, diameter, l) = static_cast<Real>(m[diameter]);
+  }
+
+  void set_pairs(std::size_t b, int l) {
+    const BandCell& cell = list_[first_cell_[b] + l];
+    int slot = batches_[b].pairs;
+    for (int bit = 0; bit < 6; ++bit) {
+      if (!(batches_[b].pair_mask >> bit & 1)) continue;
+      const SupportMoments& s = *supports_[cell.body].find(cell.cell);
+      for (int e = 0; e < 27; ++e) pairs_(slot, e, l) = static_cast<Real>(s.value[bit][e]);
+      ++slot;
+    }
+  }
+
+  const ElasticSystem& system_;
+  const std::vector<char>& by_stencil_;
+  const SlabPartition& slabs_;
+  const std::vector<const BodyMesh*> levels_;
+  std::vector<SupportedCells> supports_;  ///< of each level
+  std::vector<BandCell> list_;
+  std::vector<Batch> batches_;
+  std::vector<std::size_t> first_cell_;  ///< of each batch, in the list
+  std::vector<int> chunk_begin_;
+  int num_moments_ = 0, num_pairs_ = 0;  ///< of all batches
+  // What kernels read, on the host.
+  typename BandCells<Real>::NodeBatches::HostMirror nodes_;
+  typename decltype(BandCells<Real>::stencil_lanes)::HostMirror stencil_lanes_;
+  typename BandCells<Real>::MomentBatches::HostMirror moments_;
+  typename BandCells<Real>::PairBatches::HostMirror pairs_;
+  BandCells<Real> result_;
+};
+
+}  // namespace
+
 template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
                                 const SlabPartition& slabs) {
-  constexpr int L = Lanes<Real>::count;
-  constexpr std::size_t cache = 16 << 20;
-  BandCells<Real> result;
-  result.far = sizeof(Real) * system.num_dofs() > cache;
-  std::vector<BandCell> list;
-  const std::vector<const BodyMesh*> levels = system.level_meshes();
-  std::vector<SupportedCells> supports;
-  std::vector<typename BandCells<Real>::Law> laws;
-  for (std::size_t b = 0; b < levels.size(); ++b) {
-    const BodyMesh& mesh = *levels[b];
-    const CutCells& cc = *mesh.cut_cells;
-    typename BandCells<Real>::Law law;
-    law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
-    law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
-    for (int p = 0; p < 3; ++p)
-      law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
-    law.fold = mesh.is_one_layer() ? 1 << cc.grid.plane_strain : 0;
-    law.ring = mesh.is_axisymmetric();
-    laws.push_back(law);
-    enum Kind : char { by_stencil_alone, full, cut };
-    std::vector<Kind> kind(cc.cells.size());
-    const SupportedCells& supported = supports.emplace_back(system.supports[b], cc.cells.size());
-    parallel_for("cgcontact::band::kind", kind.size(), grain_of_medium, [&](const std::size_t e) {
-      const auto& n = mesh.cell_nodes[e];
-      const bool inside =
-          std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node] || !system.needs(node); });
-      kind[e] = law.ring || supported.find(e) || !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
-    });
-    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
-      if (kind[e] == by_stencil_alone || !system.needs_cell(mesh, static_cast<int>(e))) continue;
-      BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
-      const Index3& c = cc.cells[e];
-      cell.parity = 2 * c[2] + (c[0] & 1);
-      if (kind[e] == full) {
-        cell.pair_mask = 64;
-        ++result.num_full;
-      } else {
-        if (const SupportMoments* s = supported.find(e)) cell.pair_mask = s->mask();
-        ++result.num_cut;
-        if (cell.pair_mask) ++result.num_supported;
-      }
-      list.push_back(cell);
-    }
-  }
-  std::stable_sort(list.begin(), list.end(), [](const BandCell& a, const BandCell& b) {
-    return std::tie(a.slab, a.pair_mask, a.parity) < std::tie(b.slab, b.pair_mask, b.parity);
-  });
-
-  std::vector<typename BandCells<Real>::Batch> batches;
-  std::vector<std::size_t> first_cell;
-  std::vector<int> chunk_begin(slabs.colour_of_slab.size() + 1, 0);
-  int num_moments_batches = 0, num_pairs = 0;
-  for (std::size_t p = 0; p < list.size();) {
-    std::size_t end = p;
-    while (end < list.size() && end < p + L && list[end].slab == list[p].slab &&
-           list[end].pair_mask == list[p].pair_mask)
-      ++end;
-    typename BandCells<Real>::Batch batch{};
-    batch.body = list[p].body;
-    batch.count = static_cast<int>(end - p);
-    const bool full = list[p].pair_mask == 64;
-    batch.moments = full ? -1 : num_moments_batches++;
-    batch.pairs = num_pairs;
-    batch.pair_mask = full ? 0 : list[p].pair_mask;
-    for (int bit = 0; bit < 6; ++bit) num_pairs += batch.pair_mask >> bit & 1;
-    ++chunk_begin[list[p].slab + 1];
-    batches.push_back(batch);
-    first_cell.push_back(p);
-    p = end;
-  }
-  for (std::size_t s = 1; s < chunk_begin.size(); ++s) chunk_begin[s] += chunk_begin[s - 1];
-
-  result.nodes = typename BandCells<Real>::NodeBatches("cgcontact::band::nodes", batches.size());
-  result.stencil_lanes = decltype(result.stencil_lanes)("cgcontact::band::stencil_lanes", batches.size());
-  result.moments = typename BandCells<Real>::MomentBatches("cgcontact::band::moments", num_moments_batches);
-  result.pairs = typename BandCells<Real>::PairBatches("cgcontact::band::pairs", num_pairs);
-  auto nodes = Kokkos::create_mirror_view(result.nodes);
-  auto stencil_lanes = Kokkos::create_mirror_view(result.stencil_lanes);
-  auto moments = Kokkos::create_mirror_view(result.moments);
-  auto pairs = Kokkos::create_mirror_view(result.pairs);
-  parallel_for("cgcontact::band::setup", batches.size(), grain_of_heavy, [&](const std::size_t b) {
-    auto& batch = batches[b];
-    for (int l = 0; l < L; ++l) {
-      const bool used = l < batch.count;
-      const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
-      const BodyMesh& mesh = *levels[cell.body];
-      for (int pair = 0; pair < 4; ++pair) nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
-      if (!used) continue;  // its moments stay zero, its forces are dropped
-      for (int a = 0; a < 8; ++a)
-        if (by_stencil[mesh.cell_nodes[cell.cell][a]]) {
-          stencil_lanes(b, a) |= 1 << l;
-          batch.stencil_any = 1;
-        }
-      if (batch.moments < 0) continue;
-      double m[27];
-      const double scale = moment_scale(mesh, mesh.thickness_of_level(mesh.cut_cells->level(cell.cell)));
-      if (mesh.is_axisymmetric())
-        ring_moments(mesh, cell.cell, m);
-      else
-        monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
-      for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
-      if (mesh.is_axisymmetric()) moments(batch.moments, band::ring_moment::diameter, l) = static_cast<Real>(m[14]);
-      int slot = batch.pairs;
-      for (int bit = 0; bit < 6; ++bit) {
-        if (!(batch.pair_mask >> bit & 1)) continue;
-        const SupportMoments& s = *supports[cell.body].find(cell.cell);
-        for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
-        ++slot;
-      }
-    }
-  });
-  Kokkos::deep_copy(result.nodes, nodes);
-  Kokkos::deep_copy(result.stencil_lanes, stencil_lanes);
-  Kokkos::deep_copy(result.moments, moments);
-  Kokkos::deep_copy(result.pairs, pairs);
-  using BatchView = Kokkos::View<typename BandCells<Real>::Batch*, MemSpace>;
-  using LawView = Kokkos::View<typename BandCells<Real>::Law*, MemSpace>;
-  result.batches = copy_to_view<BatchView>("cgcontact::band::batches", batches);
-  result.laws = copy_to_view<LawView>("cgcontact::band::laws", laws);
-  result.chunk_begin = copy_to_view<IntView>("cgcontact::band::chunk_begin", chunk_begin);
-  return result;
+  return BandMaker<Real>(system, by_stencil, slabs).make();
 }
 
 template struct BandCells<double>;

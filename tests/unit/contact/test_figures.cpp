@@ -74,11 +74,9 @@ TEST(PairFigures, OfAUniformlyPressedFace) {
                                               "[[load]]\nface = \"upper.z+\"\npressure = 1e6\n"));
     ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
     const SolvedState& state = solved->simulation->state;
-    Results filled;
-    filled.contact_rows = solved->results().contact_rows;
-    fill_pair_figures(state, filled);
-    ASSERT_EQ(filled.pairs.size(), 1u);
-    const PairFigures& pair = filled.pairs[0];
+    const std::vector<PairFigures> pairs = pair_figures(state, solved->results().contact_rows);
+    ASSERT_EQ(pairs.size(), 1u);
+    const PairFigures& pair = pairs[0];
     EXPECT_EQ(pair.body_first, swapped ? "upper" : "lower");
     const Vec3 middle(0.45, 0.3, 0.6), on_first(0, 0, swapped ? F : -F);
     EXPECT_LT((pair.force_on_first - on_first).norm(), exact * F);
@@ -101,7 +99,7 @@ TEST_F(PressedBlocks, WarnOfAPressureThatDoesNotAddUpToTheForce) {
     r.pairs[0].pressure_on_face = false;
     for (ContactRow& row : r.contact_rows)
       if (row.body == 1) row.pressure_sprc *= part;
-    const std::vector<std::string> warnings = lost_force_warnings(state(), r);
+    const std::vector<std::string> warnings = lost_force_warnings(state(), r.contact_rows, r.pairs);
     ASSERT_EQ(warnings.size(), part < 0.85 ? 1u : 0u) << part;
     if (part < 0.85)
       expect_contains(warnings[0], {"the pressure on \"upper\" adds up to 1.6e+05 N, but 2e+05 N are transmitted"});
@@ -113,7 +111,7 @@ TEST_F(PressedBlocks, WarnOfAPressureThatDoesNotAddUpToTheForce) {
 TEST_F(PressedBlocks, HaveARectangularZoneBehindTheirPlanesOfSymmetry) {
   Results r = results();
   r.pairs[0].zone.extent.reset();
-  fill_zone_figures(state(), r);
+  set_zone_figures(state(), r.contact_rows, r.pairs);
   const ZoneFigures& zone = r.pairs[0].zone;
   ASSERT_TRUE(zone.extent);
   EXPECT_EQ(zone.extent->shape, ZoneExtent::Shape::rectangular);
@@ -122,7 +120,7 @@ TEST_F(PressedBlocks, HaveARectangularZoneBehindTheirPlanesOfSymmetry) {
   EXPECT_LT((zone.extent->directions[0] - Vec3::UnitX()).norm(), exact);
   EXPECT_LT((zone.extent->directions[1] - Vec3::UnitY()).norm(), exact);
   EXPECT_FALSE(zone.hertz) << "planes have no curvature";
-  const ZoneFrame frame = frame_of_zone(state(), r, 0);
+  const ZoneFrame frame = frame_of_zone(state(), r.contact_rows, r.pairs, 0);
   ASSERT_EQ(frame.planes.size(), 2u);
   for (const SymmetryPlane& plane : frame.planes)
     EXPECT_NEAR(plane.distance(Vec3(0.45, 0.3, 0.6)), std::abs(plane.normal[0]) > 0.5 ? -0.25 : -0.2, exact);
@@ -196,10 +194,10 @@ TEST_F(PressedBlocks, AreOutOfBalanceWithOtherForces) {
 /// A support that holds the normal on the face of one body marks its area.
 TEST_F(PressedBlocks, AreNoResultOnAHeldFace) {
   Results r = results();
-  EXPECT_EQ(held_contact(state(), r), "");
+  EXPECT_EQ(held_contact(state(), r.contact_rows), "");
   for (ContactRow& row : r.contact_rows)
     if (row.body == 1) row.touching = false;
-  expect_contains(held_contact(state(), r), {"acts on 0.2 m2 whose normal a support holds"});
+  expect_contains(held_contact(state(), r.contact_rows), {"acts on 0.2 m2 whose normal a support holds"});
 }
 
 TEST_F(PressedBlocks, HaveTheAreasAndConditionsOfTheirSupports) {
@@ -211,9 +209,10 @@ TEST_F(PressedBlocks, HaveTheAreasAndConditionsOfTheirSupports) {
     EXPECT_NEAR(r.supports[s].area, areas[s], exact);
     EXPECT_EQ(r.supports[s].condition, "symmetry");
   }
-  ASSERT_EQ(r.loads.size(), 1u);
-  EXPECT_EQ(r.loads[0].face, "upper.z+");
-  EXPECT_LT((r.loads[0].force - Vec3(0, 0, -force_)).norm(), exact * force_);
+  const std::vector<LoadFigures> loads = load_figures(state().scene, state().bodies);
+  ASSERT_EQ(loads.size(), 1u);
+  EXPECT_EQ(loads[0].face, "upper.z+");
+  EXPECT_LT((loads[0].force - Vec3(0, 0, -force_)).norm(), exact * force_);
 }
 
 /// Forces, areas and energies go with the thickness, norms of errors with its root; stresses, relative errors and
@@ -359,9 +358,9 @@ TEST_F(PulledBar, IsPressedTooMuchFromATenthOfItsModulusOn) {
   Results r;
   r.contact_rows.resize(1);
   r.contact_rows[0].pressure_sprc = 0.09 * E;
-  EXPECT_TRUE(small_strain_warnings(state(), r).empty());
+  EXPECT_TRUE(small_strain_warnings(state(), r.contact_rows).empty());
   r.contact_rows[0].pressure_sprc = 0.2 * E;
-  expect_contains(small_strain_warnings(state(), r).at(0), {"contact pressure 4e+10 Pa, 20 % of E"});
+  expect_contains(small_strain_warnings(state(), r.contact_rows).at(0), {"contact pressure 4e+10 Pa, 20 % of E"});
 }
 
 /// The lower block is pressed at its side: it grows by nu q H/E towards the upper one, which leaves 1 um of a gap of 10
@@ -392,17 +391,17 @@ pressure = 1e7
   const double growth = nu * 1e7 * 0.6 / E;
   r.pairs[0].min_gap.reset();
   const SolvedState& state = solved->simulation->state;
-  estimate_gap_errors(state, r);
+  estimate_gap_errors(state, r.contact_rows, r.bodies, r.pairs);
   ASSERT_TRUE(r.pairs[0].min_gap);
   EXPECT_NEAR(*r.pairs[0].min_gap, 1e-5 - growth, 1e-13);  // of positions with some 1e-16 m
   EXPECT_LT(*r.pairs[0].min_gap_error, exact * growth);
-  EXPECT_TRUE(unclear_gaps(state, r).empty());
+  EXPECT_TRUE(unclear_gaps(state, r.pairs).empty());
   // Had it an error of 3 um: the force of a flat punch, a cell wide, under 2 um. That of a round one is 2 a E* d, and
   // the law for all shapes 7 % off it.
   r.pairs[0].min_gap = 1e-6;
   r.pairs[0].min_gap_error = 3e-6;
   r.pairs[0].min_gap_cell = 0.1;
-  const std::vector<UnclearGap> unclear = unclear_gaps(state, r);
+  const std::vector<UnclearGap> unclear = unclear_gaps(state, r.pairs);
   ASSERT_EQ(unclear.size(), 1u);
   EXPECT_NEAR(unclear[0].force / (2 * 0.05 * E / (2 * (1 - nu * nu)) * 2e-6), 1, 0.08);
 }
