@@ -308,8 +308,7 @@ shape = {union = [{name = "a", box = {min = [0, 0, 0.01], max = [0.01, 0.005, 0.
                   {name = "b", box = {min = [0, 0, 0.015], max = [0.004, 0.005, 0.02]}}]}
 )" + cells +
          support("lower.z-", "displacement = {x = 0, z = 0}") + support("angle.a.x+", "displacement = {x = 0, z = 0}") +
-         "[[load]]\nface = \"angle.b.z+\"\nforce = [300, 0, -500]\n" +
-         "[[contact]]\nfaces = " + faces + "\n";
+         "[[load]]\nface = \"angle.b.z+\"\nforce = [300, 0, -500]\n" + "[[contact]]\nfaces = " + faces + "\n";
 }
 
 /// Moments about the centroid and the displacement there, by hand: in space, in plane strain (about the axis only) and

@@ -27,9 +27,9 @@ std::string stack_text(const std::string& top) {
          test::symmetry_text({"bottom.x-", "bottom.y-", "bottom.z-", "middle.x-", "middle.y-", "top.x-", "top.y-"});
 }
 
-class Stack : public testing::Test {
+class VerdictOfStack : public testing::Test {
  protected:
-  explicit Stack(const std::string& top = "2")
+  explicit VerdictOfStack(const std::string& top = "2")
       : scene_(parse_scene(stack_text(top), "scene.toml")), simulation_(scene_) {
     simulation_.set_up_grids();
     simulation_.make_system();
@@ -102,7 +102,7 @@ TEST(PressingForce, IsTheResultantOrThePressureAllAround) {
   EXPECT_DOUBLE_EQ(largest_pressing_force(results), 8);
 }
 
-TEST_F(Stack, IsResolvedFromFiveCellsAcrossOn) {
+TEST_F(VerdictOfStack, IsResolvedFromFiveCellsAcrossOn) {
   touch(0, 1e5, 5.001);
   touch(1, 1e5, 8);
   Verdict v = verdict();
@@ -122,7 +122,7 @@ TEST_F(Stack, IsResolvedFromFiveCellsAcrossOn) {
 }
 
 /// Less than a hundredth of the largest force is marked in its pair, and not in the run.
-TEST_F(Stack, LeavesOutWhatCarriesNextToNothing) {
+TEST_F(VerdictOfStack, LeavesOutWhatCarriesNextToNothing) {
   touch(0, 1e5, 20);
   for (const double force : {999.0, 1001.0}) {
     touch(1, force, 2);
@@ -134,7 +134,7 @@ TEST_F(Stack, LeavesOutWhatCarriesNextToNothing) {
 }
 
 /// Beside a run that did not converge nothing counts; a contact that was missed comes before zones of few cells.
-TEST_F(Stack, TellsTheWorstFirst) {
+TEST_F(VerdictOfStack, TellsTheWorstFirst) {
   touch(0, 1e5, 3);
   leave_gap(1, -2e-5, 0);
   Verdict v = verdict();
@@ -155,7 +155,7 @@ TEST_F(Stack, TellsTheWorstFirst) {
 
 /// A gap of a quarter of its error: the error has to fall to a quarter, with the square of the cells. The force that
 /// may be missed is 1.07 E* h (error - gap) of steel on steel, 46 kN: a hundredth of 10 MN is more.
-TEST_F(Stack, IsUnclearWhereAGapIsWithinItsError) {
+TEST_F(VerdictOfStack, IsUnclearWhereAGapIsWithinItsError) {
   leave_gap(1, 1e-6, 4e-6);
   for (const double force : {1e5, 1e7}) {
     touch(0, force, 20);
@@ -176,7 +176,7 @@ TEST_F(Stack, IsUnclearWhereAGapIsWithinItsError) {
   EXPECT_TRUE(unclear_gap_warnings(state(), results_).empty());
 }
 
-TEST_F(Stack, HasNoZoneToResolveWhereItIsBonded) {
+TEST_F(VerdictOfStack, HasNoZoneToResolveWhereItIsBonded) {
   for (int pair = 0; pair < 2; ++pair) {
     touch(pair, 1e5, 1);
     results_.pairs[pair].bonded = true;
@@ -189,7 +189,7 @@ TEST_F(Stack, HasNoZoneToResolveWhereItIsBonded) {
   EXPECT_EQ(verdict().pairs[1].state, State::not_resolved);
 }
 
-TEST_F(Stack, HasNoContactWhereNothingTouches) {
+TEST_F(VerdictOfStack, HasNoContactWhereNothingTouches) {
   const Verdict v = verdict();
   EXPECT_EQ(v.state, State::no_contact);
   EXPECT_EQ(v.text, "nothing touches: no contact carries a force");
@@ -203,7 +203,7 @@ TEST_F(Stack, HasNoContactWhereNothingTouches) {
 
 /// A recovered pressure of half of what all others have there: half as large cells may tell. Of bonded faces it is no
 /// pressure, and without SPR-C it is none of its own.
-TEST_F(Stack, IsNotResolvedWhereThePressureHasAHole) {
+TEST_F(VerdictOfStack, IsNotResolvedWhereThePressureHasAHole) {
   touch(0, 1e5, 20);
   results_.pairs[0].max_pressure = 1e6;
   add_row(0, 1e6, 0).pressure_sprc = 5e5;
@@ -220,7 +220,7 @@ TEST_F(Stack, IsNotResolvedWhereThePressureHasAHole) {
 
 /// What holds a body where nothing of the scene does should take nothing: a tenth of the contact force says how wrong
 /// that is, 4 % is let pass.
-TEST_F(Stack, IsNotResolvedWhereItsHoldsTakeForce) {
+TEST_F(VerdictOfStack, IsNotResolvedWhereItsHoldsTakeForce) {
   touch(0, 1e5, 20);
   touch(1, 1e5, 20);
   state().outer.group_force.assign(state().outer.group_force.size(), 1);
@@ -247,12 +247,12 @@ TEST_F(Stack, IsNotResolvedWhereItsHoldsTakeForce) {
 }
 
 /// The upper block is a plate of 0.1 m in cells of 0.13 m: 2 V / A, and three cells over its thickness are enough.
-class StackUnderAPlate : public Stack {
+class VerdictUnderAPlate : public VerdictOfStack {
  protected:
-  StackUnderAPlate() : Stack("1.4") {}
+  VerdictUnderAPlate() : VerdictOfStack("1.4") {}
 };
 
-TEST_F(StackUnderAPlate, IsNotResolvedWhereABodyIsThinnerThanItsCells) {
+TEST_F(VerdictUnderAPlate, IsNotResolvedWhereABodyIsThinnerThanItsCells) {
   touch(0, 1e5, 20);
   touch(1, 1e5, 20);
   const Verdict v = verdict();
@@ -263,7 +263,7 @@ TEST_F(StackUnderAPlate, IsNotResolvedWhereABodyIsThinnerThanItsCells) {
 }
 
 /// Errors of more than half of the pressure's integral leave the order of magnitude; cells of open rows do not count.
-TEST_F(Stack, IsNotResolvedWhereErrorsAreMoreThanHalfOfThePressure) {
+TEST_F(VerdictOfStack, IsNotResolvedWhereErrorsAreMoreThanHalfOfThePressure) {
   touch(0, 1e5, 20);
   touch(1, 1e5, 20);
   add_row(0, 1e6, 5e5);
@@ -288,7 +288,7 @@ TEST_F(Stack, IsNotResolvedWhereErrorsAreMoreThanHalfOfThePressure) {
 }
 
 /// A pair with next to no force, and a run that is not resolved anyway.
-TEST_F(Stack, TellsOfErrorsWhereTheyMatter) {
+TEST_F(VerdictOfStack, TellsOfErrorsWhereTheyMatter) {
   touch(0, 1e5, 20);
   touch(1, 500, 20);
   add_row(1, 1e3, 1e3);

@@ -100,9 +100,9 @@ TEST(ContactCells, AddUpToTheFace) {
     EXPECT_EQ(facet.cell_size, boxes.lower.grid.cell_size);
     EXPECT_EQ(facet.other_body, 1);
     const Vec3 x = boxes.lower.grid.to_global(facet.position / facet.area);
-    EXPECT_NEAR(x[2], middle, 1e-13);
-    EXPECT_LT((boxes.upper.grid.to_global(facet.other_position / facet.area) - x).norm(), 1e-13);
-    EXPECT_LT((boxes.lower.grid.rotation * facet.normal / facet.area - Vec3::UnitZ()).norm(), 1e-13);
+    EXPECT_NEAR(x[2], middle, 1e-12);
+    EXPECT_LT((boxes.upper.grid.to_global(facet.other_position / facet.area) - x).norm(), 1e-12);
+    EXPECT_LT((boxes.lower.grid.rotation * facet.normal / facet.area - Vec3::UnitZ()).norm(), 1e-12);
     Vec3 low = Vec3::Constant(1e300), high = -low;
     for (const PatchContactPoint& point : cells.points(facet)) {
       low = low.cwiseMin(point.position);
@@ -128,8 +128,8 @@ class PressureOfOnePair : public KnownPressures {
  public:
   std::optional<double> square(int pair, int body, const Vec3& x, const Vec3& n) const override {
     EXPECT_EQ(body, 0);
-    EXPECT_NEAR(x[2], middle, 1e-13);
-    EXPECT_LT((n - Vec3::UnitZ()).norm(), 1e-13);
+    EXPECT_NEAR(x[2], middle, 1e-12);
+    EXPECT_LT((n - Vec3::UnitZ()).norm(), 1e-12);
     return pair == 0 ? std::optional<double>(x[0] - 0.15) : std::nullopt;
   }
   bool has_zone(int pair) const override { return pair == 0; }
@@ -341,8 +341,8 @@ TEST(ForceBalance, LeavesLoadsAlone) {
 }
 
 /// A pressure that grows along the face where the recovered one does not: away from the rim what is missing at a node
-/// is at least halved. It is up to 28 % and would be left within the scatter of 5 % and the mean's 3 %, but that the
-/// mass matrix is taken for its sums.
+/// is at least halved. It is up to 32 % at a point and would be left within the scatter of 5 % and the mean's 3 %, but
+/// that the mass matrix is taken for its sums.
 TEST(ForceBalance, FollowsTheForcesAlongTheFace) {
   Pressed pressed;
   const auto exact = [](const Vec3& x) { return 1 + 0.8 * (x[0] - 0.5); };
@@ -371,7 +371,7 @@ TEST(ForceBalance, FollowsTheForcesAlongTheFace) {
     worst = std::max(worst, std::abs(missing[n]) / area[n]);
     worst_before = std::max(worst_before, std::abs(before[n]) / area[n]);
   }
-  EXPECT_GT(worst_before, 0.2);
+  EXPECT_GT(worst_before, 0.15);
   EXPECT_LT(worst, 0.5 * worst_before);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "recovery/face/edge_continuation.hpp"
 #include "recovery/face/patch_problem.hpp"
