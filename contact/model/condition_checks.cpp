@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/rounding.hpp"
+#include "core/base/text.hpp"
 
 namespace cgcontact {
 namespace {
@@ -31,16 +32,16 @@ bool is_held(const Scene& scene, const std::vector<HeldBy>& held, const HeldBy& 
     if (std::abs(a.value - value) <= rounding * (std::abs(a.value) + std::abs(value))) return true;
     throw InputError(
         scene.supports[by.support].location, "",
-        fmt::format("prescribes {:g} m where the support of {} prescribes {:g} m in the same direction, at "
-                    "({:.4g}, {:.4g}, {:.4g}) m",
-                    b.value, face_name(scene, scene.supports[support].face), cosine < 0 ? -a.value : a.value, x[0],
-                    x[1], x[2]),
+        fmt::format("prescribes {:g} m where the support of {} prescribes {:g} m in the same direction, {}", b.value,
+                    face_name(scene, scene.supports[support].face),
+                    (cosine < 0 ? -a.value : a.value) + 0.0,  // no "-0"
+                    at_position(x)),
         "one displacement for every point and direction");
   }
   return false;
 }
 
-/// Supports of one body whose faces share points.
+/// Supports of one body whose faces share points, and a component and the normal of one support.
 void check_supports(const Scene& scene, int b, const BodyModel& body) {
   std::vector<std::pair<int, BodyFace>> supports;
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
@@ -49,11 +50,8 @@ void check_supports(const Scene& scene, int b, const BodyModel& body) {
     std::vector<HeldBy> held;  // different directions; springs agree with everything
     for (const auto& [support, face] : supports) {
       if (!face.contains(p)) continue;
-      const std::size_t before = held.size();
       for (const HeldDirection& h : held_at(scene, body, support, body.point(p), body.normal(p)))
-        if (std::vector<HeldBy> earlier(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(before));
-            h.stiffness == 0 && !is_held(scene, earlier, {support, h}, body.point(p)))
-          held.push_back({support, h});
+        if (h.stiffness == 0 && !is_held(scene, held, {support, h}, body.point(p))) held.push_back({support, h});
     }
   }
 }
@@ -133,8 +131,8 @@ void check_shared_faces(const std::vector<BodyModel>& bodies, const ContactSpec&
 
 void check_conditions(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
   for (std::size_t b = 0; b < bodies.size(); ++b) check_supports(scene, static_cast<int>(b), bodies[b]);
-  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
-    check_support_on_contact(scene, s, bodies[scene.supports[s].face.body], pairs);
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)  // contact on ends: check_plane_strain
+    if (!scene.supports[s].implied) check_support_on_contact(scene, s, bodies[scene.supports[s].face.body], pairs);
   for (const LoadSpec& load : scene.loads) check_load_on_bond(scene, load, bodies[load.face.body], pairs);
   std::vector<const ContactSpec*> named;  // automatic ones are one for every two bodies
   for (const ContactSpec& contact : scene.contacts)

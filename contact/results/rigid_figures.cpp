@@ -8,8 +8,10 @@
 namespace cgcontact {
 namespace {
 
-/// In plane strain there are moments about the axis only: the ends hold the body against others.
+/// In plane strain there are moments about the axis only: the ends hold the body against others. Around an axis of
+/// revolution they cancel out.
 Vec3 about_axes(const BodyModel& body, const Vec3& moment) {
+  if (body.spec->axisymmetric()) return Vec3::Zero();
   const Vec3 whole = body.slices * moment;
   if (!body.spec->plane_strain) return whole;
   const int axis = static_cast<int>(*body.spec->plane_strain);

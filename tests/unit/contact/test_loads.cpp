@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
+#include "contact/model/load_checks.hpp"
+#include "contact/preparation.hpp"
 #include "contact/simulation.hpp"
 #include "core/scene/read_scene.hpp"
 
@@ -251,6 +254,66 @@ TEST(Loads, WhatQuadratureLosesIsTold) {
     simulation.set_up({});
     EXPECT_TRUE(load_warnings(simulation).empty()) << smooth;
   }
+}
+
+/// Parts of the warning of a block's load, and what its own points give it: N, with the whole thickness.
+struct LostLoad {
+  double used = 0, finer = 0, percent = 0;  ///< magnitudes along -z
+  double own = 0;
+};
+LostLoad lost_load(const std::string& text) {
+  const Scene scene = parse_scene(text, "block");
+  const Preparation p = discretise(scene);
+  const std::vector<std::string> warnings = load_resolution_warnings(scene, p.bodies);
+  LostLoad lost;
+  EXPECT_EQ(warnings.size(), 1u);
+  if (warnings.size() != 1) return lost;
+  EXPECT_EQ(std::sscanf(warnings[0].c_str(),
+                        "load on \"block.z+\": its expression changes within cells: its resultant is (0, 0, -%lf) N in "
+                        "place of (0, 0, -%lf) N with more points, %lf %% of what acts",
+                        &lost.used, &lost.finer, &lost.percent),
+            3)
+      << warnings[0];
+  for (const int point : BodyFace(scene.loads[0].face.face, p.bodies[0]).points())
+    lost.own += p.bodies[0].slices * p.bodies[0].area(point) * scene.loads[0].pressure(p.bodies[0].point(point));
+  return lost;
+}
+
+/// The figures are the load as it acts and one that is nearer to the exact force (written with five digits), in three
+/// dimensions and on a slice of plane strain, refined near another face, that stands for 0.2 m.
+TEST(Loads, WhatQuadratureLosesIsToldInNewtons) {
+  const auto block = [](const std::string& first, const std::string& more, const std::string& pressure) {
+    return first + "[[body]]\nname = \"block\"\nshape = {box = {min = [0, 0, 0], max = [0.2, 0.3, 0.1]}}\n" +
+           "material = {E = 200e9, nu = 0.3}\ncell_size = 0.055\ngrid = {offset = [0.3, 0.3, 0.4]}\n" + more +
+           "[[support]]\nface = \"block.z-\"\nsymmetry = true\n[[load]]\nface = \"block.z+\"\npressure = \"" +
+           pressure + "\"\n";
+  };
+  const LostLoad disc = lost_load(block("", "", "(x-0.1)^2 + (y-0.14)^2 < 0.05^2 ? 1e6 : 0")),
+                 ridge = lost_load(block("plane_strain = \"x\"\n",
+                                         "refine = [{sphere = {center = [0.1, 0.3, 0], radius = 0.01}, size = 0.02}]\n",
+                                         "1e6*exp(-((y-0.15)/0.02)^2)"));
+  const double exact_disc = 1e6 * pi * 0.05 * 0.05, exact_ridge = 0.2 * 1e6 * 0.02 * std::sqrt(pi);
+  for (const auto& [lost, exact] : {std::pair(disc, exact_disc), std::pair(ridge, exact_ridge)}) {
+    EXPECT_NEAR(lost.used / lost.own, 1, 1e-4);
+    EXPECT_LT(std::abs(lost.finer - exact), 0.5 * std::abs(lost.used - exact));
+    EXPECT_NEAR(lost.finer / exact, 1, 0.01);
+    // Two digits of the difference over the larger load, all of which presses.
+    const double fraction = std::abs(lost.used - lost.finer) / std::max(lost.used, lost.finer);
+    EXPECT_NEAR(lost.percent / (100 * fraction), 1, 0.05);
+  }
+}
+
+/// Two discs a whole number of cells apart, one pressing and one pulling, lose the same force, and so nothing of the
+/// resultant: their moment is what is off.
+TEST(Loads, LostMomentsAreTold) {
+  const auto scene =
+      loaded_block("((x-0.055)^2 + (y-0.15)^2 < 0.013^2 ? 1e6 : 0) - ((x-0.135)^2 + (y-0.15)^2 < 0.013^2 ? 1e6 : 0)",
+                   0.04, 0, 0.3, 0);
+  const Preparation p = discretise(*scene);
+  const std::vector<std::string> warnings = load_resolution_warnings(*scene, p.bodies);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("its moment about the middle is not the one with more points"), std::string::npos)
+      << warnings[0];
 }
 
 TEST(Loads, BodyForceThatJumpsInCellsIsTold) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/adaptive_run.hpp"
+#include "contact/results/rigid_figures.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 
@@ -288,6 +289,108 @@ shape = )" +
   const ZoneFigures& zone = solved->results().pairs[0].zone;
   ASSERT_TRUE(zone.hertz);
   EXPECT_NEAR(*zone.hertz->a / std::cbrt(3 * 2 * zone.normal_force * 8e-3 / (4 * 1e9 / 0.91)), 1, 1e-6);
+}
+
+/// A rigid body of two boxes on an elastic block, on its grids and not solved: what acts on it, and its motion, are
+/// given, in place of a solution. `first`: keys of the scene; `cells`: of both bodies.
+std::string angle_on_block(const std::string& first, const std::string& cells, const std::string& faces) {
+  return first + R"(
+[[body]]
+name = "lower"
+shape = {box = {min = [0, 0, 0], max = [0.01, 0.005, 0.01]}}
+material = {E = 200e9, nu = 0.3}
+)" + cells +
+         R"(
+[[body]]
+name = "angle"
+rigid = true
+shape = {union = [{name = "a", box = {min = [0, 0, 0.01], max = [0.01, 0.005, 0.015]}},
+                  {name = "b", box = {min = [0, 0, 0.015], max = [0.004, 0.005, 0.02]}}]}
+)" + cells +
+         support("lower.z-", "displacement = {x = 0, z = 0}") + support("angle.a.x+", "displacement = {x = 0, z = 0}") +
+         "[[load]]\nface = \"angle.b.z+\"\nforce = [300, 0, -500]\n" + "[[contact]]\nfaces = " + faces + "\n";
+}
+
+/// Moments about the centroid and the displacement there, by hand: in space, in plane strain (about the axis only) and
+/// on a slice of it, which stands for the whole thickness, as the given contact forces do times its number of slices.
+/// All integrals are of polynomials over planes.
+TEST(RigidFigures, AreMomentsAndMotionOfTheCentroid) {
+  const Vec3 a(0.005, 0.0025, 0.0125), b(0.002, 0.0025, 0.0175), c = (5 * a + 2 * b) / 7;
+  const std::string plane = "plane_strain = \"y\"\n",
+                    one_layer = "cell_size = 0.006\ngrid = {offset = [0.4, 0.1, 0.3]}\n",
+                    refined =
+                        one_layer + "refine = [{sphere = {center = [0, 0, 0.01], radius = 0.001}, size = 0.002}]\n";
+  const std::string lower_first = "[\"lower.z+\", \"angle.a.z-\"]", angle_first = "[\"angle.a.z-\", \"lower.z+\"]";
+  for (const std::string& text :
+       {angle_on_block("", "cell_size = 0.0023\ngrid = {offset = [0.4, 0.7, 0.2]}\n", lower_first) +
+            support("lower.y-", "symmetry = true") + support("angle.a.y-", "symmetry = true"),
+        angle_on_block(plane, one_layer, angle_first), angle_on_block(plane, refined, lower_first)}) {
+    const bool in_plane = text.substr(0, 5) == "plane", angle_is_first = text.find(angle_first) != std::string::npos;
+    const Scene scene = parse_scene(text, "scene.toml");
+    Simulation simulation(scene);
+    simulation.set_up_grids();
+    SolvedState& state = simulation.state;
+    BodyMotion motion;
+    motion.translation = Vec3(1e-6, 0, -3e-6);
+    motion.rotation = Vec3(0, 2e-4, 1e-18);  // about z it is rounding
+    motion.centre = Vec3(0.001, 0.002, 0.003);
+    state.outer.body_motions = {BodyMotion(), motion};
+    // 100 N along x and z on the side of 25 mm^2; planes of symmetry and the other body take something else.
+    for (const SupportPoint& p : state.supports)
+      state.outer.support_stress.push_back(p.support == 1 ? 4e6 : p.support == 3 ? 0 : 7e9);
+    Results results;
+    results.bodies.resize(2);
+    results.pairs.resize(1);
+    PairFigures& pair = results.pairs[0];
+    const double slices = state.bodies[1].slices;
+    const Vec3 force(10, -20, 30), moment(1, 2, 3);
+    (angle_is_first ? pair.force_on_first : pair.force_on_second) = force / slices;
+    (angle_is_first ? pair.moment_on_first : pair.moment_on_second) = moment / slices;
+    (angle_is_first ? pair.force_on_second : pair.force_on_first) = Vec3(500, 600, 700);
+    (angle_is_first ? pair.moment_on_second : pair.moment_on_first) = Vec3(50, 60, 70);
+    fill_rigid_figures(state, results);
+    EXPECT_FALSE(results.bodies[0].rigid);
+    ASSERT_TRUE(results.bodies[1].rigid);
+    const RigidFigures& figures = *results.bodies[1].rigid;
+    EXPECT_LT((figures.centre - c).norm(), exact * c.norm());
+    const Vec3 moved = motion.translation + motion.rotation.cross(c - motion.centre);
+    EXPECT_LT((figures.displacement - moved).norm(), exact * moved.norm());
+    EXPECT_EQ(figures.rotation, Vec3(0, 2e-4, 0));
+    const auto expect_moment = [&](const Vec3& found, const Vec3& expected) {
+      const Vec3 known = in_plane ? Vec3(0, expected[1], 0) : expected;
+      EXPECT_LT((found - known).norm(), exact * expected.norm()) << text;
+    };
+    expect_moment(figures.loads, (Vec3(0.002, 0.0025, 0.02) - c).cross(Vec3(300, 0, -500)));
+    expect_moment(figures.contact, moment - c.cross(force));
+    expect_moment(figures.supports, (Vec3(0.01, 0.0025, 0.0125) - c).cross(Vec3(100, 0, 100)));
+  }
+}
+
+/// All around an axis the moments of a pressure cancel out.
+TEST(RigidFigures, HaveNoMomentsAroundAnAxisOfRevolution) {
+  const auto solved = test::run_text(R"(
+axisymmetric = "z"
+[[body]]
+name = "rod"
+shape = {cylinder = {base = [0, 0, 0], top = [0, 0, 0.03], radius = 0.02}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.0061
+grid = {offset = [0.4, 0.1, 0.7]}
+[[body]]
+name = "disc"
+rigid = true
+shape = {cylinder = {base = [0, 0, 0.03], top = [0, 0, 0.04], radius = 0.02}}
+[[load]]
+face = "disc.top"
+pressure = 1e6
+[[contact]]
+faces = ["rod.top", "disc.bottom"]
+)" + support("rod.bottom", "displacement = {z = 0}") +
+                                         support("disc.top", "stiffness = 1e9"),
+                                     {});
+  const RigidFigures& figures = *solved->results().bodies[1].rigid;
+  for (const Vec3& moment : {figures.loads, figures.supports, figures.contact}) EXPECT_EQ(moment, Vec3(0, 0, 0));
+  EXPECT_LT(figures.displacement[2], -1e-8);
 }
 
 }  // namespace

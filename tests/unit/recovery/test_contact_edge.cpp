@@ -5,6 +5,7 @@
 
 #include "core/quadrature/gauss_rules.hpp"
 #include "recovery/patch/edge_moments.hpp"
+#include "recovery/patch/known_pressures.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact::test_contact_edge {
@@ -116,6 +117,30 @@ TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
   const auto fast = edge_moments<1>(mesh, cells.data(), count, top, plane),
              slow = edge_moments<1>(mesh, cells.data(), count, top, general);
   EXPECT_LT((fast - slow).norm(), 1e-6 * slow.norm());
+}
+
+/// The distance from a circular edge, around a zone or a hole in one, in axes turned in space: right to the fourth
+/// order of the angle from the segment's origin, t^4/8 of the radius; along the normal exactly. Off the face nothing
+/// changes.
+TEST(ZoneEdgeSegment, IsTheDistanceFromACurvedEdge) {
+  const double radius = 0.7;
+  const Mat3 turned = Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Vec3 centre(3, -1, 2);
+  for (const double side : {1.0, -1.0}) {  // a zone inside of the circle, or all around it
+    ZoneEdgeSegment segment;
+    segment.origin = centre + radius * turned.col(0);
+    segment.closed = -side * turned.col(0);
+    segment.along = turned.col(1);
+    segment.curvature = -side / radius;
+    for (const double t : {-0.3, -0.1, 0.0, 0.05, 0.2})
+      for (const double off : {-0.01, 0.0, 0.02}) {
+        const Vec3 outward = std::cos(t) * turned.col(0) + std::sin(t) * turned.col(1);
+        const Vec3 x = centre + (radius + off) * outward + 0.1 * turned.col(2);
+        // Both terms of the expansion hold at radius + off as well: off t^2 is what they leave.
+        const double left = std::pow(t, 4) / 8 * radius + std::abs(off) * t * t;
+        EXPECT_NEAR(segment.inside(x), -side * off, 1.1 * left + 1e-14) << t << " " << off;
+      }
+  }
 }
 
 }  // namespace
