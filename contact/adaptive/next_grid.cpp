@@ -129,7 +129,7 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
     known &= !is_unclear(results, p);
     if (!zones[p].relevant) continue;
     any = true;
-    known &= zones[p].resolved && results.pairs[p].force_error_estimate.has_value();
+    known &= zones[p].resolved && zones[p].missed.empty() && results.pairs[p].force_error_estimate.has_value();
     if (const int own = options.named_pressure(results.pairs[p].name); own >= 0)
       errors.named[own] = results.pairs[p].pressure_error_estimate;
     else
@@ -180,7 +180,7 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   for (std::size_t p = 0; p < zones.size(); ++p) {
     ZoneState zone = zones[p];
     if (!zone.relevant) continue;
-    all_resolved &= zone.resolved;
+    all_resolved &= zone.resolved && zone.missed.empty();
     // Cells of the zone answer for what the pressure is off at its force, those elsewhere for the force.
     const double estimate = results.pairs[p].pressure_error_estimate,
                  by_force = results.pairs[p].force_error_of_pressure;
@@ -196,10 +196,11 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
       for (SizedBall& ball : zone.balls) ball.size = ratio * zone.cell;
     const double by_shear = size_by_shear(state, results, static_cast<int>(p), zones[p], zone);
     next.change = std::min({next.change, ratio, by_shear});
-    for (SizedBall& ball : zone.balls) {
-      ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
-      for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);
-    }
+    if (!zone.missed.empty()) next.change = std::min(next.change, 1 / options.max_change);
+    for (SizedBall& ball : zone.balls) ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
+    for (const std::vector<SizedBall>* balls : {&zone.balls, &zone.missed})
+      for (const int body : {state.pairs[p].primary, state.pairs[p].secondary})
+        next.zones[body].insert(next.zones[body].end(), balls->begin(), balls->end());
   }
   if (!all_resolved) return next;
   const double allowed = allowed_energy_error(state.scene, zones, results, displacement);

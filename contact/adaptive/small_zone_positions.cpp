@@ -19,8 +19,6 @@ constexpr double max_group_spacing = 2, around = 3;
 constexpr double near_plane = 1.5;
 /// Fraction of the groups' area: an overlap that fills more is not smaller than the cells.
 constexpr double fills = 0.8;
-/// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
-constexpr double line_indentation = 0.75 * pi;
 constexpr int max_doublings = 30, bisections = 40;
 /// Power of the depth that the force of a round zone goes with; that of other zones goes with a smaller one.
 constexpr double force_power = 1.5;

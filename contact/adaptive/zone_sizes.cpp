@@ -85,21 +85,9 @@ std::vector<double> ratios_by_error(const SolvedState& state, const Results& res
 
 }  // namespace
 
-Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
-  Vec3 sum = Vec3::Zero();
-  for (int q = group.first_point; q < group.last_point; ++q) sum += pair.points.weight(q) * pair.points.x(q);
-  return sum / group.area;
-}
-
-bool is_closed(const ContactPair& pair, const ContactGroup& group) {
-  for (int q = group.first_point; q < group.last_point; ++q)
-    if (pair.points.active(q)) return true;
-  return false;
-}
-
 std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results) {
   std::vector<ZoneState> zones(state.pairs.size());
-  const double largest = largest_pressing_force(results);
+  const double largest = largest_pressing_force(results.pairs);
   const std::vector<ZoneWidth> widths = zone_widths(state);
   const std::vector<MissedOverlap> missed = missed_overlaps(results.pairs);
   for (std::size_t p = 0; p < zones.size(); ++p) {
@@ -108,11 +96,15 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     if (results.pairs[p].active_points > 0) {
       zone.relevant = pressing_force(results.pairs[p]) >= relevant_force_fraction * largest;
-      zone.resolved = verdict.state == Verdict::State::resolved;
+      zone.resolved = verdict.of_closed.value_or(verdict.state) == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
-      zone.needed = verdict.cell_size_needed;
+      if (!verdict.of_closed) zone.needed = verdict.cell_size_needed;
       if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell)
         narrow_to_overlap(state, p, zone);
+      for (const MissedOverlap& overlap : missed)
+        if (overlap.pair == static_cast<int>(p))
+          zone.missed.push_back({overlap.x, overlap.cell, overlap.cell / state.scene.accuracy.max_change});
+      zone.relevant |= !zone.missed.empty();
       continue;
     }
     for (const MissedOverlap& overlap : missed)

@@ -10,20 +10,17 @@
 
 namespace cgcontact {
 
-/// Return the mean of a contact group's points, m; whether one of them is closed.
-Vec3 centre_of(const ContactPair& pair, const ContactGroup& group);
-bool is_closed(const ContactPair& pair, const ContactGroup& group);
-
 /// One contact pair after a solve.
 struct ZoneState {
-  bool relevant = false;         ///< carries enough to matter, or may touch and is not resolved
-  bool resolved = false;         ///< its pressure can be relied on
-  double cell = 0;               ///< m, of the larger cells in the zone
-  std::optional<double> width;   ///< m; none: the zone ends where the faces end
-  std::optional<double> needed;  ///< m; the size that would resolve it, as the verdict says
-  bool narrowed = false;         ///< found between the quadrature points of cells that are larger
-  double error = 0;              ///< of the pressure, relative, for the next sizes (two_grid_estimate.hpp)
-  std::vector<SizedBall> balls;  ///< closed groups or what may touch; size: that of the present cells
+  bool relevant = false;          ///< carries enough to matter, or may touch and is not resolved
+  bool resolved = false;          ///< its pressure can be relied on
+  double cell = 0;                ///< m, of the larger cells in the zone
+  std::optional<double> width;    ///< m; none: the zone ends where the faces end
+  std::optional<double> needed;   ///< m; the size that would resolve it, as the verdict says
+  bool narrowed = false;          ///< found between the quadrature points of cells that are larger
+  double error = 0;               ///< of the pressure, relative, for the next sizes (two_grid_estimate.hpp)
+  std::vector<SizedBall> balls;   ///< closed groups or what may touch; size: that of the present cells
+  std::vector<SizedBall> missed;  ///< overlaps apart from closed groups; size: that asked of the next cells
 };
 
 /// Sets the local sizes of a resolved zone that ends where the faces end (a flat punch: peak of pressure at the rim):

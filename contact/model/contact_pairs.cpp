@@ -429,6 +429,18 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
 
 }  // namespace
 
+Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
+  Vec3 sum = Vec3::Zero();
+  for (int q = group.first_point; q < group.last_point; ++q) sum += pair.points.weight(q) * pair.points.x(q);
+  return sum / group.area;
+}
+
+bool is_closed(const ContactPair& pair, const ContactGroup& group) {
+  for (int q = group.first_point; q < group.last_point; ++q)
+    if (pair.points.active(q)) return true;
+  return false;
+}
+
 std::array<Vec3, 2> ContactPair::tangents(std::size_t point) const {
   const Vec3 n = points.normal(point), axis = groups[points.group(point)].tangent_axis;
   const Vec3 second = (axis - n * n.dot(axis)).normalized();

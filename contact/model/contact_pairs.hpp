@@ -22,6 +22,11 @@ struct ContactGroup {
   Vec3 tangent_axis = Vec3::Zero();  ///< friction: tangents of its points come from this and their normals
 };
 
+struct ContactPair;
+/// Return the mean of a contact group's points, m; whether one of them is closed.
+Vec3 centre_of(const ContactPair& pair, const ContactGroup& group);
+bool is_closed(const ContactPair& pair, const ContactGroup& group);
+
 struct ContactPair {
   const ContactSpec* spec = nullptr;
   int primary = 0, secondary = 0;  ///< bodies; the primary has the largest cells at the face

@@ -11,6 +11,8 @@ namespace cgcontact {
 
 /// 1.064 for spheres, 1.077 for cones, 1.13 for flat punches.
 constexpr double indentation = 1.07;
+/// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
+constexpr double line_indentation = 0.75 * pi;
 /// Width of a contact zone over that of the overlap: 0.71 for spheres, 0.64 for cones and wedges.
 constexpr double width_of_overlap = 0.7;
 

@@ -118,7 +118,7 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
 
 /// Returns the moments of a face of the whole thickness.
 FaceMoments moments_of(const FaceSpec& face, const BodyModel& model) {
-  FaceMoments moments;
+  FaceMoments moments(model.spec->axis_across());
   for (const int p : BodyFace(face, model).points())
     moments.add(model.point(p), model.normal(p), model.slices * model.area(p));
   return moments;
@@ -139,7 +139,9 @@ void find_resultants(const Scene& scene, int body, BodyModel& model) {
     } catch (const InputError& error) {
       throw InputError(load.location, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
                        load.bearing ? "bearing = true for a cylinder, with a force across its axis"
-                                    : "a force alone, or a face with some breadth");
+                       : model.spec->plane_strain
+                           ? "a force alone, or a moment about " + coordinate_names()[*model.spec->axis_across()]
+                           : "a force alone, or a face with some breadth");
     }
   }
 }

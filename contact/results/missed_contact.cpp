@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "contact/model/gap_samples.hpp"
+#include "contact/model/indentation.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/point_buckets.hpp"
 
 namespace cgcontact {
 namespace {
@@ -97,6 +99,59 @@ std::optional<LeastGap> gap_between_points(const SolvedState& state, const Conta
   return all;
 }
 
+/// The closed groups of a pair, for the search for open ones apart from them.
+class ClosedGroups {
+ public:
+  explicit ClosedGroups(const ContactPair& pair) : pair_(pair), near_(max_reach(pair)) {
+    for (std::size_t g = 0; g < pair.num_surface_groups(); ++g)
+      if (is_closed(pair, pair.groups[g])) {
+        near_.add(centre_of(pair, pair.groups[g]), static_cast<int>(g));
+        any_ = true;
+      }
+  }
+  /// Returns whether a closed group is at most one cell away: a row of open groups lies between.
+  bool near(const ContactGroup& group) const {
+    const Vec3 centre = centre_of(pair_, group);
+    return any_ && near_.any_near(centre, [&](int closed) {
+      const ContactGroup& other = pair_.groups[closed];
+      return (centre_of(pair_, other) - centre).norm() <= reach(std::max(group.larger_cell, other.larger_cell));
+    });
+  }
+
+ private:
+  /// Distance of the centres of groups in second next cells, along a diagonal.
+  static double reach(double cell) { return 2 * std::sqrt(2.0) * cell; }
+  static double max_reach(const ContactPair& pair) {
+    double cell = 0;
+    for (const ContactGroup& group : pair.groups) cell = std::max(cell, group.larger_cell);
+    return reach(cell);
+  }
+
+  const ContactPair& pair_;
+  PointBuckets near_;
+  bool any_ = false;
+};
+
+/// Force of an overlap, N; samples: with distances before deformation; closer: by so much, m.
+double indentation_force(const SolvedState& state, const ContactPair& pair, const std::vector<GapSample>& samples,
+                         double closer) {
+  double volume = 0, area = 0;
+  Vec3 mean = Vec3::Zero();
+  for (const GapSample& sample : samples) {
+    if (!(sample.distance < closer)) continue;
+    volume += (closer - sample.distance) * sample.area;
+    area += sample.area;
+    mean += sample.area * sample.x;
+  }
+  if (!(area > 0)) return 0;
+  const double modulus =
+      effective_modulus(state.scene.bodies[pair.primary].material, state.scene.bodies[pair.secondary].material);
+  const Grid& grid = state.bodies[pair.primary].cut_cells.grid;
+  if (!grid.is_quadtree()) return indentation * modulus * volume / std::sqrt(area);
+  const double slice = grid.slice * grid.ring(grid.to_grid(mean / area));
+  return line_indentation * modulus * volume * slice / area;
+}
+
 }  // namespace
 
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactPoint& point) {
@@ -129,6 +184,39 @@ std::optional<LeastGap> min_gap(const SolvedState& state, const std::vector<Cont
     enough = between->gap;
   }
   return least;
+}
+
+std::optional<LeastGap> hidden_overlap(const SolvedState& state, std::size_t p, double min_force) {
+  const ContactPair& pair = state.pairs[p];
+  const ClosedGroups closed(pair);
+  struct Found {
+    double force = 0;
+    LeastGap least;
+  };
+  std::vector<Found> of_group(pair.num_surface_groups());
+  parallel_for("cgcontact::missed_contact::hidden_overlap", of_group.size(), 1, [&](std::size_t g) {
+    const ContactGroup& group = pair.groups[g];
+    if (closed.near(group)) return;
+    double nearest = 1e300;
+    for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points.distance(q));
+    const double closer = pair.interference - gap_change(state, pair, group);
+    if (nearest > closer + group.larger_cell) return;
+    const std::vector<GapSample> samples = sample_gap(state.bodies, pair, group, closer);
+    for (const GapSample& sample : samples)
+      if (const double gap = sample.distance - closer; gap < of_group[g].least.gap)
+        of_group[g].least = {gap, sample.x, group.larger_cell};
+    if (of_group[g].least.gap < -min_overlap * group.larger_cell)
+      of_group[g].force = indentation_force(state, pair, samples, closer);
+  });
+  double force = 0;
+  LeastGap deepest;
+  for (const Found& found : of_group) {
+    if (!(found.force > 0)) continue;
+    force += found.force;
+    if (found.least.gap < deepest.gap) deepest = found.least;
+  }
+  if (!(force > 0) || force < min_force) return std::nullopt;
+  return deepest;
 }
 
 std::vector<MissedOverlap> missed_overlaps(const std::vector<PairFigures>& pairs) {

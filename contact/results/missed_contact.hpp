@@ -25,7 +25,12 @@ struct LeastGap {
 };
 std::optional<LeastGap> min_gap(const SolvedState& state, const std::vector<ContactRow>& rows, std::size_t pair);
 
-/// Deepest overlap of a pair that transmits no force.
+/// Finds the deepest overlap of the deformed faces of a pair that presses elsewhere: between the points of groups more
+/// than a cell away from all closed ones, where a zone smaller than the cells may be lost. Empty: no such overlap, or
+/// together they would transmit less than min_force (N) by the law of indentation.hpp.
+std::optional<LeastGap> hidden_overlap(const SolvedState& state, std::size_t pair, double min_force);
+
+/// Deepest overlap of a pair where it transmits no force.
 struct MissedOverlap {
   int pair = 0;
   double depth = 0;       ///< m, of the deformed bodies
@@ -33,8 +38,8 @@ struct MissedOverlap {
   double cell = 0;        ///< m, size of the larger cell there
 };
 
-/// Returns one for each pair without a closed point whose faces overlap: the mean gap of groups decides
-/// contact, so that a smaller zone may be lost. Needs the smallest gaps (open_gaps.hpp).
+/// Returns one for each pair whose faces overlap although nothing is closed, or apart from what is: the mean gap of
+/// groups decides contact, so that a smaller zone may be lost. Needs the smallest gaps (open_gaps.hpp).
 std::vector<MissedOverlap> missed_overlaps(const std::vector<PairFigures>& pairs);
 
 }  // namespace cgcontact

@@ -5,6 +5,7 @@
 
 #include "contact/model/indentation.hpp"
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/verdict.hpp"
 #include "contact/solve/iterate.hpp"
 #include "core/base/rounding.hpp"
 
@@ -48,18 +49,21 @@ double squared_error(const BodyFields& body) {
 
 void estimate_gap_errors(const SolvedState& state, const std::vector<ContactRow>& rows,
                          const std::vector<BodyFields>& bodies, std::vector<PairFigures>& pairs) {
+  const double largest = largest_pressing_force(pairs);
   std::vector<double> deformation;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
     PairFigures& figures = pairs[p];
-    if (pair.bonded() || figures.active_points > 0) continue;
-    const auto nearest = min_gap(state, rows, p);
+    if (pair.bonded()) continue;
+    const auto nearest = figures.active_points > 0 ? hidden_overlap(state, p, relevant_force_fraction * largest)
+                                                   : min_gap(state, rows, p);
     if (!nearest) continue;
     if (deformation.empty()) deformation = deformations(state);
     figures.min_gap = nearest->gap;
     figures.min_gap_at = nearest->x;
     figures.min_gap_cell = nearest->cell;
     figures.min_gap_error = 0;
+    if (figures.active_points > 0) continue;
     for (const int body : {pair.primary, pair.secondary})
       *figures.min_gap_error += safety * squared_error(bodies[body]) * deformation[body];
   }

@@ -110,6 +110,7 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
     for (const MissedOverlap& overlap : missed) {
       if (overlap.pair != static_cast<int>(p)) continue;
       j.missed = &overlap;
+      if (figures.active_points > 0) j.pair.of_closed = j.pair.state;
       j.pair.state = State::contact_missed;
       j.pair.cell_size_needed = overlap.cell * cells_of_missed_zone / state.scene.results.wanted_cells_across;
     }
@@ -121,10 +122,10 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
 std::string missed_text(const Judged& j) {
   const Vec3& x = j.missed->x;
   return fmt::format(
-      "contact \"{}\": no force is transmitted although the faces overlap by up to {:.2g} m at ({:.4g}, {:.4g}, "
-      "{:.4g}) "
-      "m: the contact zone is smaller than a cell ({:.3g} m), cells of {:.2g} m or less are needed",
-      j.pair.name, j.missed->depth, x[0], x[1], x[2], j.missed->cell, *j.pair.cell_size_needed);
+      "contact \"{}\": no force is transmitted {}although the faces overlap by up to {:.2g} m at ({:.4g}, {:.4g}, "
+      "{:.4g}) m: the contact zone is smaller than a cell there ({:.3g} m), cells of {:.2g} m or less are needed",
+      j.pair.name, j.pair.of_closed ? "in one zone " : "", j.missed->depth, x[0], x[1], x[2], j.missed->cell,
+      *j.pair.cell_size_needed);
 }
 
 std::string unclear_text(const std::string& name, const UnclearGap& gap) {
@@ -180,9 +181,9 @@ double pressing_force(const PairFigures& figures) {
   return std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
 }
 
-double largest_pressing_force(const Results& results) {
+double largest_pressing_force(const std::vector<PairFigures>& pairs) {
   double largest = 0;
-  for (const PairFigures& figures : results.pairs) largest = std::max(largest, pressing_force(figures));
+  for (const PairFigures& figures : pairs) largest = std::max(largest, pressing_force(figures));
   return largest;
 }
 
@@ -202,7 +203,7 @@ Verdict judge(const SolvedState& state, const Results& results) {
                                               : std::vector<PressureJump>();
   const std::vector<UnclearGap> unclear = unclear_gaps(state, results.pairs);
   std::vector<Judged> pairs = judge_pairs(state, results, missed, unclear, jumps);
-  const double largest = largest_pressing_force(results);
+  const double largest = largest_pressing_force(results.pairs);
   for (Judged& j : pairs) {
     if (j.unclear && j.force < relevant_force_fraction * largest) {  // next to nothing, if they do
       j.pair.state = State::no_contact;
@@ -242,7 +243,7 @@ void judge_errors(const SolvedState& state, Results& results) {
     pressure[row.pair] += row.weight * size_of_traction(row, state.pairs[row.pair].bonded());
     if (row.touching) cell[row.pair] = std::max(cell[row.pair], row.larger_cell);
   }
-  const double largest = largest_pressing_force(results);
+  const double largest = largest_pressing_force(results.pairs);
   for (std::size_t p = 0; p < results.pairs.size(); ++p) {
     Verdict::Pair& pair = verdict.pairs[p];
     if (pair.state != State::resolved || error[p] <= state.scene.results.largest_error * pressure[p]) continue;

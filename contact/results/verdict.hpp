@@ -15,7 +15,7 @@ constexpr double relevant_force_fraction = 0.01;
 /// Returns N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double pressing_force(const PairFigures& figures);
 /// Returns N, of all pairs.
-double largest_pressing_force(const Results& results);
+double largest_pressing_force(const std::vector<PairFigures>& pairs);
 
 /// Returns a sentence for each pair without a force whose faces may still touch.
 std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const std::vector<PairFigures>& pairs);

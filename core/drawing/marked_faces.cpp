@@ -46,7 +46,7 @@ FaceTraction MarkedFaces::resultant_of(int load) const {
   const int body = spec.face.body;
   const Grid& grid = bodies_[body].cut_cells->grid;
   const BoundaryPoints& points = bodies_[body].cut_cells->boundary;
-  FaceMoments moments;
+  FaceMoments moments(scene_.bodies[body].axis_across());
   for (std::size_t p = 0; p < points.size(); ++p)
     if (contains(loads_[load], body, points.surface[p], grid.to_global(points.position_of_facet(p)),
                  grid.rotation * points.normal_of_facet(p)))

@@ -182,6 +182,7 @@ struct Verdict {
     /// Cells of the coarser body across the narrowest zone that matters; none: no open points bound the zone.
     std::optional<double> cells_across;
     std::optional<double> cell_size_needed;  ///< m, at most, of both bodies; where the zone is not resolved or missed
+    std::optional<State> of_closed;          ///< of the closed points alone, where the pair has missed another zone
   };
   State state = State::resolved;
   std::string text;  ///< one sentence

@@ -41,10 +41,21 @@ FaceTraction FaceMoments::with_resultants(const Vec3& force, const Vec3& moment,
   FaceTraction traction;
   traction.centre = centroid();
   traction.constant = force / area_;
-  const Vec3 about_centre = moment + (at - traction.centre).cross(force);
+  Vec3 about_centre = moment + (at - traction.centre).cross(force);
   const Mat3 second = second_ - first_ * first_.transpose() / area_;
+  if (across_plane_) {
+    const Vec3 axis = Vec3::Unit(*across_plane_);
+    if (!moment.cross(axis).isZero(0)) throw InputError("in plane strain a moment acts about that axis alone");
+    about_centre = about_centre.dot(axis) * axis;
+  }
   if (about_centre.norm() <= no_moment * force.norm() * std::sqrt(second.trace() / area_)) return traction;
   const Mat3 inertia = second.trace() * Mat3::Identity() - second;
+  if (across_plane_) {
+    const double about_axis = inertia(*across_plane_, *across_plane_);
+    if (!(about_axis > 0)) throw InputError("the face is a point: no traction on it has a moment");
+    traction.spin = about_centre / about_axis;
+    return traction;
+  }
   const SymmetricEigen<3> solver(inertia);
   if (!(solver.eigenvalues()[0] > narrowest * solver.eigenvalues()[2]))
     throw InputError("the face is a line: no traction on it has a moment about it");

@@ -33,13 +33,16 @@ struct FaceTraction {
 /// force and moment.
 class FaceMoments {
  public:
+  /// across: coordinate axis across which the body is in plane strain: moments act about it alone; none: in space.
+  explicit FaceMoments(std::optional<int> across = {}) : across_plane_(across) {}
   /// Adds a point: m, unit outward normal, m^2.
   void add(const Vec3& x, const Vec3& n, double area);
   double area() const { return area_; }
   Vec3 centroid() const { return origin_ + first_ / area_; }
   /// Returns the traction statically equivalent to a force (N) at a point (m) and a moment (N m): about the centroid c
   /// the moment is M + (at - c) x F = integral of r x (spin x r) = (tr(S) I - S) spin, S the second moments of area
-  /// about c. Throws InputError (without a line) if the face has a moment to carry and is a line.
+  /// about c. In plane strain it does not matter where along the axis a force acts. Throws InputError (without a line)
+  /// for a moment that the face cannot carry: of a line, or in plane strain about another axis.
   FaceTraction with_resultants(const Vec3& force, const Vec3& moment, const Vec3& at) const;
   /// Returns the cosine pressure on the half of a cylinder that faces a force (N): its resultant is the force, or, of a
   /// sector of that half (cut at a plane of symmetry), has the force's component along it. Throws InputError (without a
@@ -53,6 +56,7 @@ class FaceMoments {
   /// slope.
   std::pair<Vec3, Mat3> pressed(const Vec3& slope) const;
 
+  std::optional<int> across_plane_;
   double area_ = 0;
   Vec3 origin_ = Vec3::Zero();  ///< the first point: lengths are from there
   Vec3 first_ = Vec3::Zero();

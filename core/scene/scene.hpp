@@ -124,6 +124,10 @@ struct BodySpec {
   bool rigid() const { return material.is_rigid(); }
   bool axisymmetric() const { return unit_radius > 0; }
   /// Coordinate along the axis of revolution.
+  /// Returns the axis along which nothing varies, if there is one.
+  std::optional<int> axis_across() const {
+    return plane_strain ? std::optional(static_cast<int>(*plane_strain)) : std::nullopt;
+  }
   int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
   /// Returns whether x (m) is inside or on the boundary, within rounding.
   bool holds(const Vec3& x) const;

@@ -3,6 +3,8 @@
 
 #include "contact/model/held_directions.hpp"
 #include "contact/preparation.hpp"
+#include "core/base/errors.hpp"
+#include "core/scene/face_traction.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 
@@ -229,6 +231,28 @@ TEST(FaceMoments, FindTheAxisOfACylinder) {
   FaceMoments plane;
   for (int i = 0; i < 9; ++i) plane.add(Vec3(i % 3, i / 3, 0), Vec3::UnitZ(), 1);
   EXPECT_FALSE(plane.axis());
+}
+
+/// A line of points in plane strain carries a moment about the axis, wherever along it a force acts; none about others.
+TEST(FaceMoments, OfALineInPlaneStrain) {
+  FaceMoments line(2), of_space;
+  for (int i = 0; i <= 10; ++i)
+    for (FaceMoments* moments : {&line, &of_space}) moments->add(Vec3(0.01 * i, 0.5, 0.002), Vec3::UnitY(), 1e-4);
+  const Vec3 force(3, -1000, 0), moment(0, 0, 2);
+  for (const double z : {0.002, 0.0, 0.7}) {
+    const FaceTraction traction = line.with_resultants(force, moment, Vec3(0.08, 0.5, z));
+    Vec3 sum = Vec3::Zero();
+    double about_middle = 0;
+    for (int i = 0; i <= 10; ++i) {
+      const Vec3 x(0.01 * i, 0.5, 0.002), f = 1e-4 * traction.at(x, Vec3::UnitY());
+      sum += f;
+      about_middle += (x - Vec3(0.05, 0.5, 0.002)).cross(f)[2];
+    }
+    EXPECT_LT((sum - force).norm(), 1e-12 * force.norm());
+    EXPECT_NEAR(about_middle, 2 + 0.03 * -1000, 1e-12 * 30) << z;
+  }
+  EXPECT_THROW(line.with_resultants(force, Vec3(1, 0, 2), Vec3::Zero()), InputError);
+  EXPECT_THROW(of_space.with_resultants(force, moment, Vec3(0.08, 0.5, 0)), InputError);
 }
 
 /// A block above a roller that is held by its side. `roller`: its material.
