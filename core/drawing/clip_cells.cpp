@@ -138,6 +138,7 @@ class Clipper {
   mutable EntriesOfPoints<PatchDistance> patch_distances_;
   mutable std::vector<Surface> alone_;  ///< BodyGeometry::surfaces_alone; empty until needed
   EntriesOfPoints<EdgePoint> edge_points_;
+  std::vector<PatchDistance> measured_;  ///< of the point in work
   std::vector<Tetrahedron> tetrahedra_, next_tetrahedra_;
   ClippedMesh mesh_;
 };
@@ -412,15 +413,19 @@ int Clipper::edge_point(int a, int b, int surface) {
   if (surface == whole_) t = crossing(x, d, da, distance(b, surface));
   const Vec3 middle = x + t * d;
   fixed_sides_.emplace_back(surface, 0);
+  measured_.clear();
   for (int s : cell_surfaces_) {
     const int side_a = side(a, s), side_b = side(b, s);
     // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
     const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
+    if (s == surface || !decided) continue;
     const int linear_side = side_a != 0 ? side_a : side_b;
-    if (s != surface && decided && linear_side != side_by_distance(distance_of(middle, s)))
-      fixed_sides_.emplace_back(s, linear_side);
+    const double distance = distance_of(middle, s);
+    if (is_patch(s)) measured_.push_back({distance, s});
+    if (linear_side != side_by_distance(distance)) fixed_sides_.emplace_back(s, linear_side);
   }
   const int point = add_point(middle);
+  for (const PatchDistance& measured : measured_) patch_distances_.add(point, measured);
   edge_points_.add(a, {b, surface, point});
   return point;
 }
