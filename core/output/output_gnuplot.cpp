@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/base/errors.hpp"
+#include "core/base/resources.hpp"
 #include "core/base/text.hpp"
 
 extern char** environ;
@@ -85,6 +86,7 @@ int spawn_gnuplot(const std::string& folder, const std::string& script, const st
   posix_spawn_file_actions_adddup2(&actions, 1, 2);
   std::string program = "gnuplot", option = "-d", file = script;
   char* const arguments[] = {program.data(), option.data(), file.data(), nullptr};
+  const UnboundThread unbound;  // gnuplot shares no CPU with this thread
   const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
   return error;
