@@ -91,6 +91,7 @@ HdfFile::HdfFile(const std::string& file_name) : on_disk_(file_name), file_(-1) 
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare a file");
   check(H5Pset_file_locking(access.id, false, true), "prepare a file");  // some network disks have no locks
   check(H5Pset_cache(access.id, 0, 0, 0, 0), "prepare a file");          // so that no write fails later
+  check(H5Pset_sieve_buf_size(access.id, 0), "prepare a file");
   file_ = check(H5Fcreate(file_name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id), "create a file");
 }
 
@@ -131,7 +132,8 @@ void HdfFile::set_attribute(const std::string& group, const std::string& name, l
 }
 
 template <class T>
-std::size_t HdfFile::make_rows(const std::string& path, std::size_t num_rows, int columns, bool can_grow) {
+std::size_t HdfFile::make_rows(const std::string& path, std::size_t num_rows, int columns, HdfStorage storage,
+                               bool can_grow) {
   const hsize_t width = std::max(columns, 1);
   const int rank = columns > 0 ? 2 : 1;
   errno = 0;
@@ -150,7 +152,7 @@ std::size_t HdfFile::make_rows(const std::string& path, std::size_t num_rows, in
   const Handle space(H5Screate_simple(rank, size, limit), H5Sclose, "create a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "prepare a data set");
   check(H5Pset_obj_track_times(properties.id, false), "leave out the time");  // equal runs give equal files
-  const bool compressed = size[0] > 1 && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0;
+  const bool compressed = storage == HdfStorage::compressed && size[0] > 1 && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0;
   if (compressed || can_grow) {
     const hsize_t chunk[2] = {std::clamp(size[0], hsize_t{1}, rows_per_chunk), width};
     check(H5Pset_chunk(properties.id, rank, chunk), "set a chunk size");
@@ -182,14 +184,15 @@ void HdfFile::write(const std::string& path, const std::vector<T>& values, int c
 }
 
 template <class T>
-HdfRows<T>::HdfRows(HdfFile& file, const std::string& path, std::size_t num_rows, int columns, bool can_grow)
+HdfRows<T>::HdfRows(HdfFile& file, const std::string& path, std::size_t num_rows, int columns, HdfStorage storage,
+                    bool can_grow)
     : file_(file),
       path_(path),
       columns_(columns),
-      next_(file.make_rows<T>(path, num_rows, columns, can_grow)),
+      next_(file.make_rows<T>(path, num_rows, columns, storage, can_grow)),
       end_(next_ + num_rows) {}
 
-/// Adds rows; whole chunks of the file are written as soon as they are there: each is compressed once.
+/// Adds rows; whole chunks are written as soon as they are there: each is compressed once, if at all.
 template <class T>
 void HdfRows<T>::add(const std::vector<T>& values) {
   const std::size_t width = std::max(columns_, 1);

@@ -21,6 +21,16 @@ namespace {
 using CpuSet = std::vector<cpu_set_t>;
 std::size_t bytes(const CpuSet& set) { return set.size() * sizeof(cpu_set_t); }
 
+/// Returns the CPUs that the calling thread may run on; empty if the system does not say.
+CpuSet cpus_of_thread() {
+  // The kernel refuses sets that are smaller than its own.
+  for (std::size_t size = 1; size <= 64; size *= 2) {
+    CpuSet set(size);
+    if (sched_getaffinity(0, bytes(set), set.data()) == 0) return set;
+  }
+  return {};
+}
+
 /// Returns the CPUs of this process; empty if the system does not say. OpenMP may have bound the first thread to a CPU
 /// of its own before main: the process may use those of all threads.
 CpuSet usable_cpus() {
@@ -40,12 +50,7 @@ CpuSet usable_cpus() {
     }
   }
 #endif
-  // The kernel refuses sets that are smaller than its own.
-  for (std::size_t size = 1; size <= 64; size *= 2) {
-    CpuSet set(size);
-    if (sched_getaffinity(0, bytes(set), set.data()) == 0) return set;
-  }
-  return {};
+  return cpus_of_thread();
 }
 
 int threads_by_affinity() {
@@ -127,6 +132,12 @@ void restart_with_openmp_settings(int threads, char** argv) {
 void undo_openmp_binding() {
   const CpuSet set = usable_cpus();
   if (!set.empty()) sched_setaffinity(0, bytes(set), set.data());
+}
+
+UnboundThread::UnboundThread() : before_(cpus_of_thread()) { undo_openmp_binding(); }
+
+UnboundThread::~UnboundThread() {
+  if (!before_.empty()) sched_setaffinity(0, bytes(before_), before_.data());
 }
 
 }  // namespace cgcontact

@@ -1,7 +1,10 @@
 /// Resources that this process has used so far, and may use.
 #pragma once
 
+#include <sched.h>
+
 #include <string>
+#include <vector>
 
 namespace cgcontact {
 
@@ -24,5 +27,18 @@ void restart_with_openmp_settings(int threads, char** argv);
 /// Gives this thread back all CPUs of the process: an OpenMP runtime that binds its threads has bound the calling one
 /// before main, and programs started from here would inherit its single CPU.
 void undo_openmp_binding();
+
+/// Gives this thread all CPUs of the process as long as it lives: for programs that are started and go on beside the
+/// threads, which OpenMP has bound to their CPUs.
+class UnboundThread {
+ public:
+  UnboundThread();
+  ~UnboundThread();
+  UnboundThread(const UnboundThread&) = delete;
+  UnboundThread& operator=(const UnboundThread&) = delete;
+
+ private:
+  std::vector<cpu_set_t> before_;  ///< empty if the system does not say
+};
 
 }  // namespace cgcontact

@@ -28,17 +28,42 @@ constexpr double min_volume = 1e-25;
 using Hexahedron = std::array<int, 8>;
 using Tetrahedron = std::array<int, 4>;
 
-struct EdgeKey {
-  std::uint64_t points;
-  int surface;
-  bool operator==(const EdgeKey& other) const { return points == other.points && surface == other.surface; }
+/// Few entries for each point, all of them in one block of memory.
+template <class Entry>
+class EntriesOfPoints {
+ public:
+  /// Returns the first entry of a point, from the latest one on, for which matches(entry); nullptr if there is none.
+  template <class Matches>
+  const Entry* find(int point, const Matches& matches) const {
+    if (static_cast<std::size_t>(point) >= latest_.size()) return nullptr;
+    for (int i = latest_[point]; i >= 0; i = links_[i].before)
+      if (matches(links_[i].entry)) return &links_[i].entry;
+    return nullptr;
+  }
+  void add(int point, const Entry& entry) {
+    if (static_cast<std::size_t>(point) >= latest_.size()) latest_.resize(point + 1, -1);
+    links_.push_back({entry, latest_[point]});
+    latest_[point] = static_cast<int>(links_.size()) - 1;
+  }
+
+ private:
+  struct Link {
+    Entry entry;
+    int before;  ///< of the same point, -1: none
+  };
+  std::vector<int> latest_;  ///< by point, -1: none
+  std::vector<Link> links_;
 };
 
-struct EdgeHash {
-  std::size_t operator()(const EdgeKey& key) const {
-    std::uint64_t x = key.points * 0x9e3779b97f4a7c15ull + static_cast<std::uint64_t>(key.surface);
-    return x ^ (x >> 29);
-  }
+/// Distance of a point to a patch.
+struct PatchDistance {
+  double distance;
+  int surface;
+};
+
+/// Point where an edge meets a surface; an entry of the end of the lower number.
+struct EdgePoint {
+  int other_end, surface, point;
 };
 
 struct PointHash {
@@ -110,9 +135,10 @@ class Clipper {
   GridNumbers node_numbers_;
   std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
   std::unordered_map<std::uint64_t, int> fine_nodes_;
-  mutable std::unordered_map<std::uint64_t, double> patch_distances_;
+  mutable EntriesOfPoints<PatchDistance> patch_distances_;
   mutable std::vector<Surface> alone_;  ///< BodyGeometry::surfaces_alone; empty until needed
-  std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
+  EntriesOfPoints<EdgePoint> edge_points_;
+  std::vector<PatchDistance> measured_;  ///< of the point in work
   std::vector<Tetrahedron> tetrahedra_, next_tetrahedra_;
   ClippedMesh mesh_;
 };
@@ -369,10 +395,10 @@ double Clipper::crossing(const Vec3& x, const Vec3& d, double at_0, double at_1)
   return t;
 }
 
+/// Returns the point where the edge from a to b, a < b, meets a surface.
 int Clipper::edge_point(int a, int b, int surface) {
-  const EdgeKey key{(static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint64_t>(b), surface};
-  const auto [entry, added] = edge_points_.try_emplace(key, static_cast<int>(mesh_.points.size()));
-  if (!added) return entry->second;
+  const auto matches = [&](const EdgePoint& entry) { return entry.other_end == b && entry.surface == surface; };
+  if (const EdgePoint* const known = edge_points_.find(a, matches)) return known->point;
 
   const Vec3 x = mesh_.points[a], d = mesh_.points[b] - mesh_.points[a];
   const double da = distance(a, surface);
@@ -387,15 +413,21 @@ int Clipper::edge_point(int a, int b, int surface) {
   if (surface == whole_) t = crossing(x, d, da, distance(b, surface));
   const Vec3 middle = x + t * d;
   fixed_sides_.emplace_back(surface, 0);
+  measured_.clear();
   for (int s : cell_surfaces_) {
     const int side_a = side(a, s), side_b = side(b, s);
     // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
     const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
+    if (s == surface || !decided) continue;
     const int linear_side = side_a != 0 ? side_a : side_b;
-    if (s != surface && decided && linear_side != side_by_distance(distance_of(middle, s)))
-      fixed_sides_.emplace_back(s, linear_side);
+    const double distance = distance_of(middle, s);
+    if (is_patch(s)) measured_.push_back({distance, s});
+    if (linear_side != side_by_distance(distance)) fixed_sides_.emplace_back(s, linear_side);
   }
-  return add_point(middle);
+  const int point = add_point(middle);
+  for (const PatchDistance& measured : measured_) patch_distances_.add(point, measured);
+  edge_points_.add(a, {b, surface, point});
+  return point;
 }
 
 /// -1 inner, 0 on, +1 outer side of a surface.
@@ -420,11 +452,11 @@ double Clipper::distance_of(const Vec3& x, int surface) const {
 double Clipper::distance(int point, int surface) const {
   const Vec3& x = mesh_.points[point];
   if (!is_patch(surface)) return distance_of(x, surface);
-  const std::uint64_t key =
-      static_cast<std::uint64_t>(point) * (surfaces_.size() + 1) + static_cast<std::uint64_t>(surface);
-  const auto [entry, added] = patch_distances_.try_emplace(key, 0.0);
-  if (added) entry->second = distance_of(x, surface);
-  return entry->second;
+  const auto matches = [&](const PatchDistance& entry) { return entry.surface == surface; };
+  if (const PatchDistance* const known = patch_distances_.find(point, matches)) return known->distance;
+  const double distance = distance_of(x, surface);
+  patch_distances_.add(point, {distance, surface});
+  return distance;
 }
 
 int Clipper::side(int point, int surface) const {

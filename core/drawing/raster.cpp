@@ -29,7 +29,7 @@ RasterImage::RasterImage(int width, int height, int oversampling, const Camera& 
       camera_(camera),
       colour_(colour) {
   camera_.pixels_per_metre *= oversampling;
-  const Pixel background{-std::numeric_limits<float>::max(), -1, {255, 255, 255}, {0, 0, 0}};
+  const Pixel background{-std::numeric_limits<float>::max(), -1, {255, 255, 255, 0}, {0, 0, 0, 0}};
   fine_.assign(static_cast<std::size_t>(width_) * height_, background);
 }
 
@@ -70,6 +70,7 @@ bool RasterImage::project(const std::array<RasterVertex, 3>& triangle, double sh
   }
   const Vec3 side = triangle[1].position - triangle[0].position, other = triangle[2].position - triangle[0].position;
   const Vec3 normal = side.cross(other).normalized();
+  screen.normal[3] = 0;
   for (int k = 0; k < 3; ++k) screen.normal[k] = static_cast<signed char>(std::lround(normal_length * normal[k]));
   screen.plain = triangle[0].value == triangle[1].value && triangle[0].value == triangle[2].value;
   if (screen.plain) screen.colour = colour_(triangle[0].value);
@@ -185,7 +186,7 @@ void RasterImage::draw_outlines() {
     const int x = column(index), y = row(index);
     for (int j = std::max(0, y - reach); j <= std::min(height_ - 1, y + reach); ++j)
       for (int i = std::max(0, x - reach); i <= std::min(width_ - 1, x + reach); ++i) {
-        fine_[static_cast<std::size_t>(j) * width_ + i].colour = {outline_grey, outline_grey, outline_grey};
+        fine_[static_cast<std::size_t>(j) * width_ + i].colour = {outline_grey, outline_grey, outline_grey, 0};
       }
   }
 }

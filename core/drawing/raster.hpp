@@ -42,17 +42,18 @@ class RasterImage {
   std::vector<int> regions() const;
 
  private:
+  /// All its bytes are members, so that it is copied as a whole.
   struct Pixel {
     float depth;
     int region;
-    std::array<unsigned char, 3> colour;
-    std::array<signed char, 3> normal;  ///< of length 127
+    std::array<unsigned char, 4> colour;  ///< and zero
+    std::array<signed char, 4> normal;    ///< of length 127; and zero
   };
   /// Triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
   struct Screen {
     double x[3], y[3], z[3];
     Mat3 slope, grid;
-    std::array<signed char, 3> normal;  ///< of length 127
+    std::array<signed char, 4> normal;  ///< of a pixel
     Vec3 cells_per_pixel;               ///< by axis, of the averaged image
     Vec3 line_strength;                 ///< of the grid lines across each axis
     std::array<double, 3> colour;       ///< of a triangle of one value

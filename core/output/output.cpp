@@ -14,7 +14,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <utility>
 
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
@@ -253,8 +255,44 @@ bool extremes_by_ranks_alone(const Scene& scene) {
 
 bool wants_view(const Scene& scene) { return scene.output.report && scene.output.plots && scene.output.view; }
 
-/// Writes all files but the two reports, pictures first: gnuplot draws while the other files are written. `steps`: with
-/// all steps, or none. `fields_elsewhere`: another rank writes the files of fields.
+/// Writes what is made from the drawn bodies, side by side: first what takes longest, and the picture that gnuplot
+/// draws longest. Returns how the scene is looked at, if it is.
+std::optional<SceneView> write_drawn(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn,
+                                     StepFields* steps, bool with_fields, GnuplotRuns& runs, PageContents& contents) {
+  const ContactSurface surface = make_contact_surface(results, drawn);
+  const std::vector<CheckedBody> bodies = checked_bodies(results);
+  std::optional<DrawnFaces> faces;
+  if (scene.output.plots && knows_contact_of_points(results)) faces = find_faces(scene, bodies, drawn);
+  const bool with_view = wants_view(scene) && has_view_library();
+  // Read before fields are written: HDF5 works for one thread at a time.
+  std::vector<ViewStep> fields_of_steps = with_view && steps ? steps->boundary_fields() : std::vector<ViewStep>{};
+  std::optional<SceneView> view;
+  const auto draw_scene = [&] {
+    SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
+    std::optional<ZoneLook> zone = look_at_main_zone(results, drawn, scene_view);
+    ZoneLook* const near = zone ? &*zone : nullptr;
+    if (write_picture(results, drawn, scene_view, near, runs)) contents.zone_in_scene = results.pairs[near->pair].name;
+    write_grid_picture(results, scene_view, near, runs);
+    if (!steps) view.reset();  // it is large
+    write_sections(scene, drawn, runs);
+  };
+  std::vector<std::function<void()>> tasks;
+  if (scene.output.plots) tasks.emplace_back(draw_scene);
+  if (with_fields) tasks.emplace_back([&] { write_fields(results, scene.output, drawn, surface, contents.directory); });
+  if (with_view)
+    tasks.emplace_back([&] {
+      contents.view =
+          view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene, std::move(fields_of_steps)});
+    });
+  if (faces) tasks.emplace_back([&] { contents.faces = draw_conditions(scene, bodies, drawn, *faces, runs); });
+  if (scene.output.plots)
+    tasks.emplace_back([&] { contents.pressure_maps = write_pressure_maps(results, surface, runs); });
+  parallel_for("cgcontact::output::files", tasks.size(), 1, [&](std::size_t task) { tasks[task](); });
+  return view;
+}
+
+/// Writes all files but the two reports; gnuplot draws while other files are written. `steps`: with all steps, or none.
+/// `fields_elsewhere`: another rank writes the files of fields.
 PageContents write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps,
                          bool fields_elsewhere) {
   PageContents contents;
@@ -274,32 +312,8 @@ PageContents write_files(Results& results, const Scene& scene, const TemporaryDi
   if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
   if (scene.output.plots && steps && !results.pairs.empty()) write_force_displacement_plot(results, runs);
   std::optional<SceneView> view;
-  if (scene.output.fields() || scene.output.plots) {
-    const ContactSurface surface = make_contact_surface(results, drawn);
-    std::optional<DrawnFaces> faces;
-    if (scene.output.plots && knows_contact_of_points(results))
-      faces = find_faces(scene, checked_bodies(results), drawn);
-    const auto draw = [&] {  // what needs a drawing of its own first: the view, which is large, stays
-      if (faces) contents.faces = draw_conditions(scene, checked_bodies(results), drawn, *faces, runs);
-      contents.pressure_maps = write_pressure_maps(results, surface, runs);
-      SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
-      std::optional<ZoneLook> zone = look_at_main_zone(results, drawn, scene_view);
-      ZoneLook* const near = zone ? &*zone : nullptr;
-      if (write_picture(results, drawn, scene_view, near, runs))
-        contents.zone_in_scene = results.pairs[near->pair].name;
-      write_grid_picture(results, scene_view, near, runs);
-      write_sections(scene, drawn, runs);
-      if (!steps) view.reset();
-    };
-    parallel_for("cgcontact::output::files", 2, 1, [&](std::size_t task) {
-      if (task == 0 && scene.output.plots) draw();
-      if (task == 1 && scene.output.fields() && !fields_elsewhere)
-        write_fields(results, scene.output, drawn, surface, temporary.path());
-    });
-    if (wants_view(scene) && has_view_library())
-      contents.view = view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene,
-                                 steps ? steps->boundary_fields() : std::vector<ViewStep>{}});
-  }
+  if (scene.output.fields() || scene.output.plots)
+    view = write_drawn(results, scene, drawn, steps, scene.output.fields() && !fields_elsewhere, runs, contents);
   contents.view.wanted = wants_view(scene);
   if (steps && view) contents.steps = steps->draw(results.title, *view, runs);
   if (steps) steps->finish();

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/base/errors.hpp"
+#include "core/base/resources.hpp"
 #include "core/base/text.hpp"
 
 extern char** environ;
@@ -85,6 +86,7 @@ int spawn_gnuplot(const std::string& folder, const std::string& script, const st
   posix_spawn_file_actions_adddup2(&actions, 1, 2);
   std::string program = "gnuplot", option = "-d", file = script;
   char* const arguments[] = {program.data(), option.data(), file.data(), nullptr};
+  const UnboundThread unbound;  // gnuplot shares no CPU with this thread
   const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
   return error;
@@ -137,12 +139,14 @@ void GnuplotRuns::kill_all() {
 }
 
 void GnuplotRuns::warn(const std::string& warning) {
+  const std::lock_guard lock(mutex_);
   if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
 }
 
 void GnuplotRuns::start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures) {
   const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
+  std::unique_lock lock(mutex_);
   if (runs_.size() >= max_at_once)
     if (Run& earlier = runs_[runs_.size() - max_at_once]; earlier.child > 0)
       earlier.ended_well = wait_for(earlier.child);
@@ -152,6 +156,7 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
     error = spawn_gnuplot(folder.string(), name + ".gp", name + ".log", child);
     if (error == 0) runs_.push_back({name, pictures, child});
   });
+  lock.unlock();
   if (error == 0) return;
   if (error == ENOENT)
     warn(
@@ -162,6 +167,9 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
 }
 
 const std::vector<std::string>& GnuplotRuns::finish() {
+  uninterrupted([&] {  // the threads have started them in any order
+    std::sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) { return a.name < b.name; });
+  });
   for (Run& run : runs_) {
     if (run.child > 0) run.ended_well = wait_for(run.child);
     for (const std::string& name : run.pictures) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace cgcontact {
 
 /// Pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside the
-/// program. Scripts and data lie in the folder `plots` of the directory.
+/// program. Scripts and data lie in the folder `plots` of the directory. Several threads may start runs and warn.
 class GnuplotRuns {
  public:
   explicit GnuplotRuns(const std::string& directory);
@@ -22,7 +23,7 @@ class GnuplotRuns {
   /// Writes `script` as `name`.gp and starts gnuplot on it; `pictures` (in the directory) must exist in the end.
   void start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures);
   void warn(const std::string& warning);
-  /// Waits for all runs. Failures are warnings, their scripts and data stay.
+  /// Waits for all runs. Failures are warnings, in the order of the names; their scripts and data stay.
   const std::vector<std::string>& finish();
 
  private:
@@ -35,6 +36,7 @@ class GnuplotRuns {
   void kill_all();
 
   const std::string directory_;
+  std::mutex mutex_;  ///< of what follows
   std::vector<Run> runs_;
   std::vector<std::string> warnings_;
   const CleanUp clean_up_;

@@ -60,9 +60,10 @@ class BodyWriter {
 
   /// fill(body, i, row) sets the row of the body's i-th cell.
   template <class T, class Fill>
-  void cells(const std::string& name, int columns, const Fill& fill) const {
+  void cells(const std::string& name, int columns, const Fill& fill,
+             HdfStorage storage = HdfStorage::compressed) const {
     write<T>(
-        name, columns, [](const ClippedMesh& mesh) { return mesh.num_polyhedra(); }, fill);
+        name, columns, [](const ClippedMesh& mesh) { return mesh.num_polyhedra(); }, fill, storage);
   }
 
   /// Displacement, stress and von Mises stress of the bodies; only those that all of them have. can_grow: behind the
@@ -73,10 +74,10 @@ class BodyWriter {
     for (const DrawnBody& body : bodies_) total += body.mesh.num_points();
     std::optional<HdfRows<float>> displacement, stress, mises;
     if (all([](const DrawnBody& body) { return !body.displacement.empty(); }))
-      displacement.emplace(file_, "/VTKHDF/PointData/displacement", total, 3, can_grow);
+      displacement.emplace(file_, "/VTKHDF/PointData/displacement", total, 3, HdfStorage::plain, can_grow);
     if (all([](const DrawnBody& body) { return !body.stress.empty(); })) {
-      stress.emplace(file_, "/VTKHDF/PointData/stress_recovered", total, 6, can_grow);
-      mises.emplace(file_, "/VTKHDF/PointData/von_mises", total, 0, can_grow);
+      stress.emplace(file_, "/VTKHDF/PointData/stress_recovered", total, 6, HdfStorage::plain, can_grow);
+      mises.emplace(file_, "/VTKHDF/PointData/von_mises", total, 0, HdfStorage::plain, can_grow);
     }
     const auto add = [](const auto& values, int columns, const auto& fill, HdfRows<float>& rows) {
       for (std::size_t first = 0; first < values.size(); first += rows_per_block) {
@@ -110,7 +111,7 @@ class BodyWriter {
     write_header(sizes, file_, version);
     write<double>(
         "Points", 3, [](const ClippedMesh& mesh) { return mesh.num_points(); },
-        [&](std::size_t b, std::size_t p, double* row) { set(position_of(bodies_[b], p), row); });
+        [&](std::size_t b, std::size_t p, double* row) { set(position_of(bodies_[b], p), row); }, HdfStorage::plain);
     cells<unsigned char>("Types", 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
       *row = is_tetrahedron(bodies_[b].mesh, i) ? vtk_tetrahedron : vtk_hexahedron;
     });
@@ -124,11 +125,11 @@ class BodyWriter {
 
  private:
   template <class T, class Count, class Fill>
-  void write(const std::string& name, int columns, const Count& count, const Fill& fill) const {
+  void write(const std::string& name, int columns, const Count& count, const Fill& fill, HdfStorage storage) const {
     std::size_t total = 0;
     for (const DrawnBody& body : bodies_) total += count(body.mesh);
     const std::size_t width = std::max(columns, 1);
-    HdfRows<T> rows(file_, "/VTKHDF/" + name, total, columns);
+    HdfRows<T> rows(file_, "/VTKHDF/" + name, total, columns, storage);
     each_block(count, [&](std::size_t b, std::size_t first, std::size_t end) {
       std::vector<T> block((end - first) * width);
       parallel_for("cgcontact::output_vtk::values", end - first, 1024,
@@ -208,14 +209,18 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
   write.cells<int>("CellData/cell", 0,
                    [&](std::size_t b, std::size_t i, int* row) { *row = active_cell(bodies[b].mesh, i); });
   if (std::all_of(results.bodies.begin(), results.bodies.end(), [](const auto& fields) { return fields.stress_raw; }))
-    write.cells<float>("CellData/stress_raw", 6, [&](std::size_t b, std::size_t i, float* row) {
-      const ClippedMesh::Polyhedron cell = bodies[b].mesh.polyhedron(i);
-      Vec3 centroid = Vec3::Zero();
-      for (int p = 0; p < cell.num_points; ++p) centroid += point_of(bodies[b].mesh, cell.points[p]) / cell.num_points;
-      const BodyFields& fields = results.bodies[b];
-      BodyWriter::set(fields.stress_raw(cell.cell, clamped_cell_coordinates(*fields.cut_cells, cell.cell, centroid)),
-                      row);
-    });
+    write.cells<float>(
+        "CellData/stress_raw", 6,
+        [&](std::size_t b, std::size_t i, float* row) {
+          const ClippedMesh::Polyhedron cell = bodies[b].mesh.polyhedron(i);
+          Vec3 centroid = Vec3::Zero();
+          for (int p = 0; p < cell.num_points; ++p)
+            centroid += point_of(bodies[b].mesh, cell.points[p]) / cell.num_points;
+          const BodyFields& fields = results.bodies[b];
+          BodyWriter::set(
+              fields.stress_raw(cell.cell, clamped_cell_coordinates(*fields.cut_cells, cell.cell, centroid)), row);
+        },
+        HdfStorage::plain);
   const auto error_of_cell = [&](std::size_t b, int cell) {
     const std::vector<double>& errors = results.bodies[b].error_of_cell;
     return static_cast<std::size_t>(cell) < errors.size() ? errors[cell] : 0.0;

@@ -2,6 +2,7 @@
 # alone
 """The number of threads: taken from the command line, told in the report, without influence on the results."""
 import os
+import pathlib
 import re
 import unittest
 
@@ -89,6 +90,20 @@ class OpenMP(unittest.TestCase):
         self.assertEqual((report("spread")["threads"], report("spread")["warnings"]), (len(cpus), []))
         bound = re.findall(r"bound to (\d+);", outcome.out + outcome.err)
         self.assertEqual({int(cpu) for cpu in bound}, cpus, outcome.out + outcome.err)
+
+    @unittest.skipIf(THREAD_SANITIZER, "two OpenMP runtimes: Trilinos' has bound the first thread when the compiler's looks")
+    def test_gnuplot_is_not_bound(self):
+        """gnuplot draws beside the threads, which are bound: it may run on all CPUs of the program."""
+        folder = pathlib.Path("programs").absolute()
+        folder.mkdir()
+        (folder / "gnuplot").write_text(f"#!/bin/sh\ngrep Cpus_allowed: /proc/self/status >> {folder}/cpus\n")
+        (folder / "gnuplot").chmod(0o755)
+        cpus = pathlib.Path("/proc/self/status").read_text()
+        outcome = cgcontact("run", scene("two_solids"), "--out", "drawn", *settings(n=4),
+                            environment={"PATH": f"{folder}:{os.environ['PATH']}"})
+        self.assertEqual(outcome.code, 0, outcome.err)
+        for line in set((folder / "cpus").read_text().splitlines()):
+            self.assertIn(line + "\n", cpus)
 
     def test_more_threads_than_hardware(self):
         """More threads than there are: a warning, no noise of the runtime, and it runs."""

@@ -385,8 +385,9 @@ TEST_F(output, rows_that_come_chunk_by_chunk) {
   hdf.write("/at_once", values, 3);
   for (const bool grows : {false, true}) {
     const std::string path = grows ? "/growing" : "/fixed";
+    const HdfStorage storage = grows ? HdfStorage::compressed : HdfStorage::plain;
     for (int step = 0; step < (grows ? 2 : 1); ++step) {
-      HdfRows<float> rows(hdf, path, n, 3, grows);
+      HdfRows<float> rows(hdf, path, n, 3, storage, grows);
       for (std::size_t done = 0, size = 1; done < n; size = 3 * size + 1) {
         const std::size_t end = std::min(n, done + size);
         rows.add({values.begin() + 3 * done, values.begin() + 3 * end});
