@@ -1,6 +1,7 @@
 #include "contact/model/gap_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -103,8 +104,30 @@ class LeafSampler {
       if (std::abs(xi[k]) > 1 + 2 * (reach + std::sqrt(3.0) * std::abs(normal[k]))) return false;
     return true;
   }
+  /// Position of a contact point in the plane, m.
+  using PlanePoint = std::array<double, 2>;
+  std::vector<PlanePoint> points() const {
+    std::vector<PlanePoint> points;
+    for (int q = group_.first_point; q < group_.last_point; ++q) {
+      const Vec3 r = pair_.points.x(q) - centre_;
+      points.push_back({r.dot(along_s_), r.dot(along_t_)});
+    }
+    return points;
+  }
+  /// Returns the distance of the group's points in the mean, m.
+  double spacing() const {
+    const double area = group_.area / area_factor_ / (group_.last_point - group_.first_point);
+    return is_line() ? area / group_.larger_cell : std::sqrt(area);
+  }
+  /// Returns whether a point lies in a leaf; on a quadtree at any s.
+  bool holds(const SampleLeaf& leaf, const PlanePoint& point) const {
+    return std::abs(point[1] - leaf.t) <= 0.5 * leaf.size &&
+           (is_line() || std::abs(point[0] - leaf.s) <= 0.5 * leaf.size);
+  }
 
  private:
+  bool is_line() const { return widest_ < 1e300; }
+
   SampleLeaf::Sample sample(double s, double t) const {
     SampleLeaf::Sample result;
     const Grid& grid = primary_.cut_cells.grid;
@@ -156,7 +179,7 @@ class LeafSampler {
 class GapSampler::Impl {
  public:
   Impl(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
-      : sampler_(bodies, pair, group), group_(group) {}
+      : sampler_(bodies, pair, group), group_(group), points_(sampler_.points()), spacing_(sampler_.spacing()) {}
 
   std::vector<GapSample> samples(double limit);
 
@@ -168,6 +191,12 @@ class GapSampler::Impl {
       return std::uint64_t(level) << 56 | std::uint64_t(i) << 28 | static_cast<std::uint64_t>(j);
     }
   };
+
+  /// Returns whether points lie in a leaf whose samples are farther apart: what they see may be between these.
+  bool is_between_samples(const SampleLeaf& leaf) const {
+    return spacing_ < 0.5 * leaf.size &&
+           std::any_of(points_.begin(), points_.end(), [&](const auto& point) { return sampler_.holds(leaf, point); });
+  }
 
   const SampleLeaf& leaf(const LeafIndex& index) {
     const auto [found, is_new] = leaves_.try_emplace(index.key());
@@ -181,6 +210,8 @@ class GapSampler::Impl {
 
   LeafSampler sampler_;
   const ContactGroup& group_;
+  std::vector<LeafSampler::PlanePoint> points_;
+  double spacing_;
   std::unordered_map<std::uint64_t, SampleLeaf> leaves_;
 };
 
@@ -198,6 +229,7 @@ std::vector<GapSample> GapSampler::Impl::samples(double limit) {
     const double depth = std::max(limit - smallest, min_depth * group_.larger_cell);
     const auto fine = [&](const LeafIndex& index) {
       const SampleLeaf& square = leaf(index);
+      if (is_between_samples(square)) return false;
       return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_fraction * depth;
     };
     const std::size_t coarse = indices.size() - std::count_if(indices.begin(), indices.end(), fine);

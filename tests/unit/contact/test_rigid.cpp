@@ -348,7 +348,7 @@ TEST(RigidFigures, AreMomentsAndMotionOfTheCentroid) {
     (angle_is_first ? pair.moment_on_first : pair.moment_on_second) = moment / slices;
     (angle_is_first ? pair.force_on_second : pair.force_on_first) = Vec3(500, 600, 700);
     (angle_is_first ? pair.moment_on_second : pair.moment_on_first) = Vec3(50, 60, 70);
-    fill_rigid_figures(state, results);
+    set_rigid_figures(state, results.pairs, results.bodies);
     EXPECT_FALSE(results.bodies[0].rigid);
     ASSERT_TRUE(results.bodies[1].rigid);
     const RigidFigures& figures = *results.bodies[1].rigid;

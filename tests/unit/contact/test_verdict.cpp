@@ -97,9 +97,9 @@ TEST(PressingForce, IsTheResultantOrThePressureAllAround) {
   EXPECT_DOUBLE_EQ(pressing_force(open), 5);
   EXPECT_DOUBLE_EQ(pressing_force(closed), 8);
   Results results;
-  EXPECT_EQ(largest_pressing_force(results), 0);
+  EXPECT_EQ(largest_pressing_force(results.pairs), 0);
   results.pairs = {open, closed, PairFigures()};
-  EXPECT_DOUBLE_EQ(largest_pressing_force(results), 8);
+  EXPECT_DOUBLE_EQ(largest_pressing_force(results.pairs), 8);
 }
 
 TEST_F(VerdictOfStack, IsResolvedFromFiveCellsAcrossOn) {
@@ -169,11 +169,11 @@ TEST_F(VerdictOfStack, IsUnclearWhereAGapIsWithinItsError) {
       expect_contains(v.text, {"contact \"high\": whether the faces touch is not resolved",
                                "1e-06 m at (0.1, 0.2, 1.3) m", "displacements, 4e-06 m: cells of 0.065 m or less"});
     }
-    EXPECT_EQ(unclear_gap_warnings(state(), results_).size(), 1u);
+    EXPECT_EQ(unclear_gap_warnings(state(), results_.pairs).size(), 1u);
   }
   leave_gap(1, 5e-6, 4e-6);
   EXPECT_EQ(verdict().pairs[1].state, State::no_contact);
-  EXPECT_TRUE(unclear_gap_warnings(state(), results_).empty());
+  EXPECT_TRUE(unclear_gap_warnings(state(), results_.pairs).empty());
 }
 
 TEST_F(VerdictOfStack, HasNoZoneToResolveWhereItIsBonded) {
