@@ -121,11 +121,11 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
 
 std::string missed_text(const Judged& j) {
   const Vec3& x = j.missed->x;
+  const auto [where, there] = j.pair.of_closed ? std::pair("in one of its zones ", " there") : std::pair("", "");
   return fmt::format(
       "contact \"{}\": no force is transmitted {}although the faces overlap by up to {:.2g} m at ({:.4g}, {:.4g}, "
-      "{:.4g}) m: the contact zone is smaller than a cell there ({:.3g} m), cells of {:.2g} m or less are needed",
-      j.pair.name, j.pair.of_closed ? "in one zone " : "", j.missed->depth, x[0], x[1], x[2], j.missed->cell,
-      *j.pair.cell_size_needed);
+      "{:.4g}) m: the contact zone{} is smaller than a cell ({:.3g} m), cells of {:.2g} m or less are needed",
+      j.pair.name, where, j.missed->depth, x[0], x[1], x[2], there, j.missed->cell, *j.pair.cell_size_needed);
 }
 
 std::string unclear_text(const std::string& name, const UnclearGap& gap) {

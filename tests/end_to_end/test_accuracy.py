@@ -21,6 +21,48 @@ def hertz(force):
     return 1.5 * force / (math.pi * (0.75 * force * radius / stiffness) ** (2 / 3))
 
 
+def two_zones():
+    """Names, scenes without contacts, and their contacts: as one pair and as two."""
+    scenes = {
+        "rollers": ("plane_strain", "box = {min = [-0.05, 0, -0.05], max = [0.05, 0.001, 0]}", """
+  {name = "a", cylinder = {base = [-0.02, 0, 0.01], top = [-0.02, 0.001, 0.01], radius = 0.01}},
+  {name = "b", cylinder = {base = [0.02, 0, 0.003], top = [0.02, 0.001, 0.003], radius = 0.003}},
+  {name = "c", box = {min = [0.0195, 0, 0.003], max = [0.0205, 0.001, 0.02]}},
+  {name = "bar", box = {min = [-0.03, 0, 0.015], max = [0.03, 0.001, 0.02]}}""", "y"),
+        "ball_and_ring": ("axisymmetric", "cylinder = {base = [0, 0, -0.05], top = [0, 0, 0], radius = 0.05}", """
+  {name = "a", sphere = {center = [0, 0, 0.01], radius = 0.01}},
+  {name = "b", torus = {center = [0, 0, 0.003], ring_radius = 0.02, tube_radius = 0.003}},
+  {name = "bar", cylinder = {base = [0, 0, 0.004], top = [0, 0, 0.03], radius = 0.022}}""", "z"),
+    }
+    for name, (kind, block, tool, axis) in scenes.items():
+        face = "cylinder" if kind == "axisymmetric" else "box"
+        low, high = ("bottom", "top") if face == "cylinder" else ("z-", "z+")
+        surface = "surface" if kind == "axisymmetric" else "side"
+        free = "" if kind == "axisymmetric" else "x = 0, "
+        yield name, f"""
+{kind} = "{axis}"
+[accuracy]
+pressure = "3 %"
+[[body]]
+name = "block"
+shape = {{name = "block", {block}}}
+material = {{E = 210e9, nu = 0.3}}
+[[body]]
+name = "tool"
+rigid = true
+shape = {{union = [{tool}]}}
+faces = [{{name = "both", surfaces = ["a.{surface}", "b.{surface}"]}}]
+[[support]]
+face = "block.{low}"
+displacement = {{{free}z = 0}}
+[[support]]
+face = "tool.bar.{high}"
+displacement = {{{free}z = "-20 um"}}
+""", (f'[[contact]]\nfaces = ["block.{high}", "tool.both"]\n',
+      "".join(f'[[contact]]\nname = "{shape}"\nfaces = ["block.{high}", "tool.{shape}.{surface}"]\n'
+              for shape in "ab"))
+
+
 class Accuracy(unittest.TestCase):
     def run_scene(self, name, *settings, code=0):
         with tempfile.TemporaryDirectory() as directory:
@@ -81,6 +123,23 @@ class Accuracy(unittest.TestCase):
         self.assertAlmostEqual(pairs[1]["force"]["roller"][2] / 250e3, 1, places=6)
         self.assertAlmostEqual(pairs[1]["area"] / pairs[0]["area"] / 50, 1, places=6)
         self.assertAlmostEqual(pairs[1]["max_pressure"] / pairs[0]["max_pressure"], 1, places=6)
+
+    def test_all_zones_of_one_pair_are_found(self):
+        """Two bodies in one pair with another: the zone that the first grids lose beside the other one is found, and
+        the force is that of two pairs (within the estimates of both)."""
+        with tempfile.TemporaryDirectory() as directory:
+            for name, text, pairs in two_zones():
+                force = []
+                for contact in pairs:
+                    file = pathlib.Path(directory) / "scene.toml"
+                    file.write_text(text + contact)
+                    out = pathlib.Path(directory) / "out"
+                    outcome = cgcontact("run", file, "--out", out, *QUIET)
+                    self.assertEqual(outcome.code, 0, outcome.err)
+                    run = report(out)
+                    self.assertTrue(run["accuracy"]["reached"], run["accuracy"]["text"])
+                    force.append(sum(pair["normal_force"] for pair in run["contact"]))
+                self.assertLess(abs(force[0] / force[1] - 1), 0.05, name)  # 0.23 times the force without the ring
 
     def test_conforming_contact_against_a_finer_run(self):
         fine = self.run_scene("pin_in_hole", "accuracy.pressure=1%")

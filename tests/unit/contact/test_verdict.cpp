@@ -146,6 +146,13 @@ TEST_F(VerdictOfStack, TellsTheWorstFirst) {
                   {"contact \"high\": no force is transmitted although the faces overlap by up to 2e-05 m at (0.1, "
                    "0.2, 1.3) m",
                    "smaller than a cell (0.13 m), cells of 0.013 m or less"});
+  leave_gap(0, -2e-5, 0);  // beside the closed points
+  v = verdict();
+  EXPECT_EQ(v.pairs[0].state, State::contact_missed);
+  ASSERT_TRUE(v.pairs[0].of_closed);
+  EXPECT_EQ(*v.pairs[0].of_closed, State::not_resolved);
+  EXPECT_FALSE(v.pairs[1].of_closed);
+  expect_contains(v.text, {"contact \"low\": no force is transmitted in one of its zones although the faces overlap"});
   state().outer.converged = false;
   state().outer.diagnosis = "it went astray";
   v = verdict();
