@@ -53,6 +53,22 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double f
   }
 }
 
+/// Where the faces of a pair that has missed contact overlap, but for what would carry next to nothing: a grid that
+/// follows the deepest overlap alone may lose the others, and these the next time.
+std::vector<LeastGap> lost_zones(const SolvedState& state, const std::vector<MissedOverlap>& missed, std::size_t pair) {
+  const auto own = std::find_if(missed.begin(), missed.end(),
+                                [&](const MissedOverlap& overlap) { return overlap.pair == static_cast<int>(pair); });
+  if (own == missed.end()) return {};
+  const std::vector<HiddenOverlap> overlaps = hidden_overlaps(state, pair);
+  double force = 0;
+  for (const HiddenOverlap& overlap : overlaps) force += overlap.force;
+  std::vector<LeastGap> lost;
+  for (const HiddenOverlap& overlap : overlaps)
+    if (overlap.force >= relevant_force_fraction * force) lost.push_back(overlap.deepest);
+  if (lost.empty()) lost.push_back({-own->depth, own->x, own->cell});  // at the faces' points
+  return lost;
+}
+
 /// Returns the ratios of new to present cells of the closed groups of a pair (one per ball of its zone) with the
 /// fewest cells for `target` as the relative error, as errors fall like the size. error, size: of a row, squared.
 /// Empty: no error.
@@ -94,6 +110,7 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     ZoneState& zone = zones[p];
     const ContactPair& pair = state.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
+    const std::vector<LeastGap> lost = lost_zones(state, missed, p);
     if (results.pairs[p].active_points > 0) {
       zone.relevant = pressing_force(results.pairs[p]) >= relevant_force_fraction * largest;
       zone.resolved = verdict.of_closed.value_or(verdict.state) == Verdict::State::resolved;
@@ -101,17 +118,15 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
       if (!verdict.of_closed) zone.needed = verdict.cell_size_needed;
       if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell)
         narrow_to_overlap(state, p, zone);
-      for (const MissedOverlap& overlap : missed)
-        if (overlap.pair == static_cast<int>(p))
-          zone.missed.push_back({overlap.x, overlap.cell, overlap.cell / state.scene.accuracy.max_change});
+      for (const LeastGap& gap : lost)
+        zone.missed.push_back({gap.x, gap.cell, gap.cell / state.scene.accuracy.max_change});
       zone.relevant |= !zone.missed.empty();
       continue;
     }
-    for (const MissedOverlap& overlap : missed)
-      if (overlap.pair == static_cast<int>(p)) {
-        zone.balls.push_back({overlap.x, overlap.cell, overlap.cell});
-        zone.cell = overlap.cell;
-      }
+    for (const LeastGap& gap : lost) {
+      zone.balls.push_back({gap.x, gap.cell, gap.cell});
+      zone.cell = std::max(zone.cell, gap.cell);
+    }
     if (zone.balls.empty()) add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
     zone.relevant = !zone.balls.empty();
   }

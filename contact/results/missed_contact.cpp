@@ -186,15 +186,11 @@ std::optional<LeastGap> min_gap(const SolvedState& state, const std::vector<Cont
   return least;
 }
 
-std::optional<LeastGap> hidden_overlap(const SolvedState& state, std::size_t p, double min_force) {
+std::vector<HiddenOverlap> hidden_overlaps(const SolvedState& state, std::size_t p) {
   const ContactPair& pair = state.pairs[p];
   const ClosedGroups closed(pair);
-  struct Found {
-    double force = 0;
-    LeastGap least;
-  };
-  std::vector<Found> of_group(pair.num_surface_groups());
-  parallel_for("cgcontact::missed_contact::hidden_overlap", of_group.size(), 1, [&](std::size_t g) {
+  std::vector<HiddenOverlap> overlaps(pair.num_surface_groups());
+  parallel_for("cgcontact::missed_contact::hidden_overlaps", overlaps.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
     if (closed.near(group)) return;
     double nearest = 1e300;
@@ -202,21 +198,15 @@ std::optional<LeastGap> hidden_overlap(const SolvedState& state, std::size_t p, 
     const double closer = pair.interference - gap_change(state, pair, group);
     if (nearest > closer + group.larger_cell) return;
     const std::vector<GapSample> samples = sample_gap(state.bodies, pair, group, closer);
+    LeastGap& deepest = overlaps[g].deepest;
     for (const GapSample& sample : samples)
-      if (const double gap = sample.distance - closer; gap < of_group[g].least.gap)
-        of_group[g].least = {gap, sample.x, group.larger_cell};
-    if (of_group[g].least.gap < -min_overlap * group.larger_cell)
-      of_group[g].force = indentation_force(state, pair, samples, closer);
+      if (const double gap = sample.distance - closer; gap < deepest.gap) deepest = {gap, sample.x, group.larger_cell};
+    if (deepest.gap < -min_overlap * group.larger_cell)
+      overlaps[g].force = indentation_force(state, pair, samples, closer);
   });
-  double force = 0;
-  LeastGap deepest;
-  for (const Found& found : of_group) {
-    if (!(found.force > 0)) continue;
-    force += found.force;
-    if (found.least.gap < deepest.gap) deepest = found.least;
-  }
-  if (!(force > 0) || force < min_force) return std::nullopt;
-  return deepest;
+  overlaps.erase(std::remove_if(overlaps.begin(), overlaps.end(), [](const auto& found) { return !(found.force > 0); }),
+                 overlaps.end());
+  return overlaps;
 }
 
 std::vector<MissedOverlap> missed_overlaps(const std::vector<PairFigures>& pairs) {

@@ -25,10 +25,15 @@ struct LeastGap {
 };
 std::optional<LeastGap> min_gap(const SolvedState& state, const std::vector<ContactRow>& rows, std::size_t pair);
 
-/// Finds the deepest overlap of the deformed faces of a pair that presses elsewhere: between the points of groups more
-/// than a cell away from all closed ones, where a zone smaller than the cells may be lost. Empty: no such overlap, or
-/// together they would transmit less than min_force (N) by the law of indentation.hpp.
-std::optional<LeastGap> hidden_overlap(const SolvedState& state, std::size_t pair, double min_force);
+/// Overlap of the deformed faces in one group of a pair.
+struct HiddenOverlap {
+  LeastGap deepest;
+  double force = 0;  ///< N, that it would transmit by the law of indentation.hpp
+};
+
+/// Finds the overlaps between the points of groups more than a cell away from all closed ones: there a zone smaller
+/// than the cells may be lost.
+std::vector<HiddenOverlap> hidden_overlaps(const SolvedState& state, std::size_t pair);
 
 /// Deepest overlap of a pair where it transmits no force.
 struct MissedOverlap {

@@ -45,6 +45,17 @@ double squared_error(const BodyFields& body) {
   return energy > 0 ? std::min(error / energy, 1.0) : 0;
 }
 
+/// The deepest overlap of a pair that presses elsewhere, unless all of them would transmit less than min_force, N.
+std::optional<LeastGap> deepest_overlap(const SolvedState& state, std::size_t pair, double min_force) {
+  double force = 0;
+  std::optional<LeastGap> deepest;
+  for (const HiddenOverlap& overlap : hidden_overlaps(state, pair)) {
+    force += overlap.force;
+    if (!deepest || overlap.deepest.gap < deepest->gap) deepest = overlap.deepest;
+  }
+  return force < min_force ? std::nullopt : deepest;
+}
+
 }  // namespace
 
 void estimate_gap_errors(const SolvedState& state, const std::vector<ContactRow>& rows,
@@ -55,7 +66,7 @@ void estimate_gap_errors(const SolvedState& state, const std::vector<ContactRow>
     const ContactPair& pair = state.pairs[p];
     PairFigures& figures = pairs[p];
     if (pair.bonded()) continue;
-    const auto nearest = figures.active_points > 0 ? hidden_overlap(state, p, relevant_force_fraction * largest)
+    const auto nearest = figures.active_points > 0 ? deepest_overlap(state, p, relevant_force_fraction * largest)
                                                    : min_gap(state, rows, p);
     if (!nearest) continue;
     if (deformation.empty()) deformation = deformations(state);
