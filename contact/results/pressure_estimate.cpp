@@ -151,15 +151,22 @@ double work_on_gaps(const Results& results, int pair) {
   return work / 2 * std::pow(results.estimated_error_relative / results.estimated_error, 2);
 }
 
+/// Returns the fraction of a pair's force that its equilibrium leaves open: all of it, but where the loads give the
+/// resultant what balances itself, as around a shaft. normal: sum of what its points press, N.
+double open_fraction(const SolvedState& state, int pair, double normal, const PairFigures& figures) {
+  if (state.pairs[pair].spec->preload && state.scene.steps.size() < 2) return 0;  // tightened to it
+  const double force = figures.force_on_first.norm();
+  if (force > 0 && !figures.force_given_by_loads) return 1;
+  const double balanced = normal > 0 && !state.pairs[pair].bonded() ? 1 - force / normal : 0;
+  return balanced > solved_fraction ? balanced : 0;
+}
+
 /// Estimate of a pair's force, relative; none where the zone is not resolved.
-std::optional<double> force_error(const SolvedState& state, const Statics& statics, int pair, PairFigures& figures,
-                                  const Verdict::Pair& verdict, double energy_error) {
-  const Vec3 force = figures.force_on_first;
-  figures.force_given_by_loads = force.norm() > 0 && statics.loads_give(pair, force.normalized());
-  const bool tightened = state.pairs[pair].spec->preload && state.scene.steps.size() < 2;  // it is the preload
-  if (figures.force_given_by_loads || tightened || force.isZero(0)) return 0;
+std::optional<double> force_error(const SolvedState& state, const Verdict::Pair& verdict, double open_fraction,
+                                  double energy_error) {
+  if (open_fraction == 0) return 0;
   if (verdict.state == Verdict::State::not_resolved) return std::nullopt;
-  return (verdict.cells_across ? state.scene.results.edge_factor : 1) * energy_error;
+  return (verdict.cells_across ? state.scene.results.edge_factor : 1) * open_fraction * energy_error;
 }
 
 /// Errors of the rows whose pressure is that of the stress, Pa; 0 at others.
@@ -190,9 +197,11 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     PairFigures& figures = results.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const bool touches = figures.active_points > 0;
+    const Vec3& force = figures.force_on_first;
+    figures.force_given_by_loads = touches && force.norm() > 0 && statics.loads_give(pair, force.normalized());
+    const double open = open_fraction(state, pair, normal[p], figures);
     if (touches)
-      figures.force_error_estimate =
-          force_error(state, statics, pair, figures, verdict, energy_error + work_on_gaps(results, pair));
+      figures.force_error_estimate = force_error(state, verdict, open, energy_error + work_on_gaps(results, pair));
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
     const std::vector<char> away = rows_away_from_contact(rows, pair);
@@ -208,8 +217,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
       if (verdict.state == Verdict::State::not_resolved)
         errors[i] = std::hypot(errors[i], face->pressure - rows[i].pressure_spr);
     }
-    if (figures.pressure_on_face && !(figures.force_error_estimate && *figures.force_error_estimate == 0))
-      figures.force_error_of_pressure = energy_error;
+    if (figures.pressure_on_face) figures.force_error_of_pressure = open * energy_error;
     estimate_from_stress(state, pair, energy_error, rows, of_stress, errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {

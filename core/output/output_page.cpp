@@ -240,11 +240,11 @@ std::string tile(const std::string& label, const std::string& value, const std::
 std::string tiles(const Results& results) {
   std::string text = "<div class=\"tiles\">\n";
   if (!results.pairs.empty()) {
-    const PairFigures& pair = *std::max_element(
-        results.pairs.begin(), results.pairs.end(),
-        [](const PairFigures& a, const PairFigures& b) { return a.force_on_first.norm() < b.force_on_first.norm(); });
+    const PairFigures& pair =
+        *std::max_element(results.pairs.begin(), results.pairs.end(),
+                          [](const PairFigures& a, const PairFigures& b) { return told_force(a) < told_force(b); });
     const std::string of = results.pairs.size() > 1 ? "of " + html_text(pair.name) + ", " : "";
-    text += tile("Contact force", force_figure(pair.force_on_first.norm()),
+    text += tile("Contact force", force_figure(told_force(pair)),
                  of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
     text += tile("Largest contact pressure", stress(pair.max_pressure),
                  of + "estimated error " + estimate(results, pair, pair.max_pressure_error_estimate));
@@ -451,7 +451,7 @@ std::string pairs_section(const Results& results) {
   if (results.pairs.empty()) return paragraph("The scene has no contact pair.");
   std::vector<std::string> rows;
   for (const PairFigures& pair : results.pairs) {
-    const double size = pair.force_on_first.norm();
+    const double size = told_force(pair);
     rows.push_back(name_cell(html_text(pair.name)) + cell(force_figure(size)) +
                    cell(estimate(results, pair, pair.force_error_estimate)) + cell(stress(pair.max_pressure)) +
                    cell(estimate(results, pair, pair.max_pressure_error_estimate)) +
@@ -507,7 +507,7 @@ std::string conditions_section(const Results& results, const PageContents& conte
                      cell(figure(std::abs(pair.interference), length_unit(std::abs(pair.interference)))) +
                      text_cell(std::string(pair.interference > 0 ? "interference" : "clearance") +
                                (pair.preload ? ", found for a preload of " + scaled(*pair.preload, "N") : "")) +
-                     cell(force_figure(pair.force_on_first.norm())));
+                     cell(force_figure(told_force(pair))));
   if (!fits.empty())
     text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
   const std::string shown =
@@ -562,7 +562,7 @@ std::string steps_section(const Results& results, const PageContents& contents) 
                              cell(fmt::format("{:g}", s.step.loads)) + cell(fmt::format("{:g}", s.step.displacements)) +
                              cell(fmt::format("{:g}", s.step.interference));
     for (const PairFigures& pair : s.pairs)
-      rows.push_back(step + cell(html_text(pair.name)) + cell(force_figure(pair.force_on_first.norm())) +
+      rows.push_back(step + cell(html_text(pair.name)) + cell(force_figure(told_force(pair))) +
                      cell(stress(pair.max_pressure)) + cell(figure(pair.area, area_unit(pair.area))));
     if (s.pairs.empty()) rows.push_back(step + cell("") + cell("") + cell("") + cell(""));
   }

@@ -55,7 +55,7 @@ Lines pair_table(const Results& results, std::size_t rows) {
   const std::size_t shown = results.pairs.size() <= rows ? results.pairs.size() : rows - 1;
   for (std::size_t k = 0; k < shown; ++k) {
     const PairFigures& pair = results.pairs[k];
-    const double force = pair.force_on_first.norm();
+    const double force = told_force(pair);
     const bool coarse =
         k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
     const auto error = [&](const std::optional<double>& estimate) {
@@ -118,7 +118,7 @@ Lines step_lines(const Results& results, std::size_t rows) {
     std::string text = fmt::format("  step {} of {}:", k + 1, count);
     if (!s.pairs.empty()) {
       const PairFigures& pair = s.pairs.front();
-      const double force = pair.force_on_first.norm();
+      const double force = told_force(pair);
       text += fmt::format(" {:<22} {}, at most {}", shortened_name(pair.name, 22), in_unit(force, force_unit(force), 4),
                           in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 4));
     }

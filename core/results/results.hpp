@@ -160,10 +160,11 @@ struct PairFigures {
   /// the face turns by more than 30 degrees and is not round about one axis, or the zone is more than some 90 cells
   /// across.
   int zones_of_stress = 0;
-  /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
+  /// Relative; zero where the loads give all of the force, none where nothing is transmitted or the zone is not
+  /// resolved.
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there
-  bool force_given_by_loads = false;                  ///< by equilibrium alone
+  bool force_given_by_loads = false;                  ///< its resultant, by equilibrium alone
   /// Smallest gap left between faces that nothing presses, and its estimated error, m; none: contact, or nothing
   /// opposite.
   std::optional<double> min_gap, min_gap_error;
@@ -172,6 +173,13 @@ struct PairFigures {
   ZoneFigures zone;                         ///< of the last step
   std::optional<FrictionFigures> friction;  ///< none: the scene has no friction there
 };
+
+/// Returns the force to tell of a pair, N: its resultant, or the sum of its normal forces where most of these balance
+/// each other, as around a shaft.
+inline double told_force(const PairFigures& pair) {
+  const double resultant = pair.force_on_first.norm();
+  return pair.zone.normal_force > 2 * resultant ? pair.zone.normal_force : resultant;
+}
 
 /// Verdict on a run: whether its contact can be used, and if not, what would help.
 struct Verdict {
