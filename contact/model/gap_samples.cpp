@@ -192,9 +192,9 @@ class GapSampler::Impl {
     }
   };
 
-  /// Returns whether points lie in a leaf whose samples are farther apart: what they see may be between these.
+  /// Returns whether points lie in a leaf whose samples see nothing opposite: what the points see is between these.
   bool is_between_samples(const SampleLeaf& leaf) const {
-    return spacing_ < 0.5 * leaf.size &&
+    return leaf.lower_bound == SampleLeaf().lower_bound && spacing_ < 0.5 * leaf.size &&
            std::any_of(points_.begin(), points_.end(), [&](const auto& point) { return sampler_.holds(leaf, point); });
   }
 

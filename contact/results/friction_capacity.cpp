@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/model/around_axis.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
@@ -242,24 +241,22 @@ void fill_state(const SolvedState& state, std::size_t k, const std::vector<Symme
   const ContactPair& pair = state.pairs[k];
   const FrictionPoints& points = state.outer.friction[k];
   const double thickness = state.bodies[pair.primary].slices;
-  const double sign = pair.spec->first.body == pair.secondary ? 1 : -1;  // the shear is that on the secondary body
   for (std::size_t q = 0; q < points.shear.size(); ++q) {
     if (!pair.points.active(q)) continue;
     const double area = thickness * pair.points.weight(q);
-    const Vec3 force = sign * area * points.shear[q];
-    friction.force += force;
-    if (friction.torque) {
-      const Axis& axis = friction.torque->axis;
-      friction.torque->carried += axis.direction.dot((pair.points.x(q) - axis.point).cross(force));
-    }
     (points.slips[q] ? friction.slip_area : friction.stick_area) += area;
     friction.max_slip = std::max(friction.max_slip, points.slip[q].norm());
+  }
+  const auto [force, moment] = friction_on_first(state, k);
+  friction.force = thickness * force;
+  if (friction.torque) {
+    const Axis& axis = friction.torque->axis;
+    friction.torque->carried = thickness * axis.direction.dot(moment - axis.point.cross(force));
   }
   for (std::size_t q = 0; q < points.wear.size(); ++q)
     friction.wear += thickness * pair.points.weight(q) * points.wear[q];
   friction.work = thickness * points.work;
   if (!(friction.capacity > 0)) return;
-  sum_around_axis(*state.bodies[pair.primary].spec, friction.force);
   friction.use = use_of(friction, planes);
 }
 

@@ -56,16 +56,13 @@ double forces_of_scene(const SolvedState& state, const std::vector<double>& of_p
   return sum;
 }
 
-/// Adds force and moment on both bodies of a pair, and where the force acts, by the nodal forces of its groups, which
-/// act in the discrete equilibrium. `row`: number of its first group, `tangent`: of its first row of friction among
-/// those; `magnitude`: sum of its groups' forces.
-void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, std::size_t tangent,
-                double magnitude, PairFigures& figures) {
-  // A bonded pair may pull here and press there: the centre of its area.
-  Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()}, centre = Vec3::Zero();
-  double total = 0;
-  const auto add_row = [&](std::size_t r, double of_row) {
-    for (const auto& [dof, value] : state.system.group_rows[r].entries) {
+/// Sums of nodal forces on the primary and the secondary body of a pair, N, N m about the origin.
+struct PairForces {
+  Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()};
+
+  /// Adds those of one row of the system's groups; of_row: N.
+  void add_row(const SolvedState& state, const ContactPair& pair, std::size_t row, double of_row) {
+    for (const auto& [dof, value] : state.system.group_rows[row].entries) {
       const int node = node_of_dof(dof);
       const BodyMesh& primary = state.system.meshes[pair.primary];
       const bool is_primary = node >= primary.first_node && node < primary.first_node + primary.num_nodes;
@@ -76,30 +73,46 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
       force[side] += f;
       moment[side] += grid.to_global(mesh.node_position(node - mesh.first_node)).cross(f);
     }
-  };
+  }
+  /// tangent: number of the row among those of the friction of all pairs.
+  void add_friction(const SolvedState& state, const ContactPair& pair, std::size_t tangent) {
+    add_row(state, pair, state.outer.group_force.size() + tangent,
+            force_unit(state) * state.outer.friction_force[tangent]);
+  }
+};
+
+/// Adds force and moment on both bodies of a pair, and where the force acts, by the nodal forces of its groups, which
+/// act in the discrete equilibrium. `row`: number of its first group, `tangent`: of its first row of friction among
+/// those; `magnitude`: sum of its groups' forces.
+void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, std::size_t tangent,
+                double magnitude, PairFigures& figures) {
+  // A bonded pair may pull here and press there: the centre of its area.
+  Vec3 centre = Vec3::Zero();
+  double total = 0;
+  PairForces sums;
   for (const ContactGroup& group : pair.groups) {
     const double group_force = force_unit(state) * state.outer.group_force[row];
-    add_row(row, group_force);
-    for (int i = 0; i < pair.num_tangents; ++i, ++tangent)
-      add_row(state.outer.group_force.size() + tangent, force_unit(state) * state.outer.friction_force[tangent]);
+    sums.add_row(state, pair, row, group_force);
+    for (int i = 0; i < pair.num_tangents; ++i, ++tangent) sums.add_friction(state, pair, tangent);
     for (int q = group.first_point; q < group.last_point; ++q)
       centre += (pair.bonded() ? group.area : group_force) * pair.points.weight(q) / group.area * pair.points.x(q);
     total += pair.bonded() ? group.area : group_force;
     ++row;
   }
   const BodySpec& spec = *state.bodies[pair.primary].spec;
-  for (int side = 0; side < 2; ++side) sum_around_axis(spec, force[side], &moment[side]);
+  for (int side = 0; side < 2; ++side) sum_around_axis(spec, sums.force[side], &sums.moment[side]);
   sum_around_axis(spec, centre);
-  for (Vec3& f : force) f = without_rounding(f, magnitude);  // of forces that add up to none (a shrink fit)
+  for (Vec3& f : sums.force) f = without_rounding(f, magnitude);  // of forces that add up to none (a shrink fit)
   const int first = pair.spec->first.body == pair.primary ? 0 : 1;
-  figures.force_on_first = force[first];
-  figures.force_on_second = force[1 - first];
-  figures.moment_on_first = moment[first];
-  figures.moment_on_second = moment[1 - first];
+  figures.force_on_first = sums.force[first];
+  figures.force_on_second = sums.force[1 - first];
+  figures.moment_on_first = sums.moment[first];
+  figures.moment_on_second = sums.moment[1 - first];
   if (total > 0) figures.centre = centre / total;
 }
 
-/// Adds the largest pressure, and the area of the contact zone: mean of both bodies. Closed points make up whole
+/// Adds the largest pressure, and the area of the contact zone: mean of both bodies, of the elastic one beside a rigid
+/// one, which often has larger cells and reaches beyond the zone. Closed points make up whole
 /// groups; the recovered pressure ends where the edge was found (sphere on block, ten cells over the contact radius:
 /// radius from closed points 2 to 3 % too small, from this within 0.2 %).
 void add_zone(const SolvedState& state, int k, const std::vector<ContactRow>& rows, PairFigures& figures) {
@@ -111,9 +124,12 @@ void add_zone(const SolvedState& state, int k, const std::vector<ContactRow>& ro
   });
   if (figures.max_pressure > 0 && largest != rows.end()) figures.max_pressure_at = largest->x;
   const ContactPair& pair = state.pairs[k];
+  const auto is_rigid = [&](int body) { return state.bodies[body].spec->rigid(); };
   if (state.scene.recovery.spr_c && !pair.bonded()) {
+    const bool both = !is_rigid(pair.primary) && !is_rigid(pair.secondary);
     for (const ContactRow& r : rows)
-      if (r.pair == k && r.touching && is_pressed(r, figures.max_pressure)) figures.area += 0.5 * r.weight;
+      if (r.pair == k && r.touching && !is_rigid(r.body) && is_pressed(r, figures.max_pressure))
+        figures.area += both ? 0.5 * r.weight : r.weight;
   } else {
     for (std::size_t q = 0; q < pair.num_surface_points(); ++q)
       if (pair.points.active(q)) figures.area += pair.points.weight(q);
@@ -168,6 +184,18 @@ std::vector<PairFigures> pair_figures(const SolvedState& state, const std::vecto
     first_tangent += pair.num_tangents * pair.groups.size();
   }
   return pairs;
+}
+
+std::pair<Vec3, Vec3> friction_on_first(const SolvedState& state, std::size_t k) {
+  std::size_t tangent = 0;
+  for (std::size_t before = 0; before < k; ++before)
+    tangent += state.pairs[before].num_tangents * state.pairs[before].groups.size();
+  const ContactPair& pair = state.pairs[k];
+  PairForces sums;
+  for (std::size_t t = 0; t < pair.num_tangents * pair.groups.size(); ++t) sums.add_friction(state, pair, tangent + t);
+  const int side = pair.spec->first.body == pair.primary ? 0 : 1;
+  sum_around_axis(*state.bodies[pair.primary].spec, sums.force[side], &sums.moment[side]);
+  return {sums.force[side], sums.moment[side]};
 }
 
 std::vector<double> normal_forces(const SolvedState& state) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contact/solve/solved_state.hpp"
@@ -22,6 +23,11 @@ bool is_pressed(const ContactRow& row, double largest);
 /// Returns the figures of all pairs; rows: of the contact faces, empty: forces alone. A pair without closed points, or
 /// whose forces are rounding beside those of the scene, has exactly zero force, area, pressure and centre.
 std::vector<PairFigures> pair_figures(const SolvedState& state, const std::vector<ContactRow>& rows);
+
+/// Returns force (N) and moment about the origin (N m) of a pair's friction on its first body, of the modelled
+/// thickness: as they act in the discrete equilibrium, so that supports and loads balance them. The shear at the
+/// points, whose gaps hold in the mean of groups, does not add up to the same on coarse grids.
+std::pair<Vec3, Vec3> friction_on_first(const SolvedState& state, std::size_t pair);
 
 /// Sums the forces of each pair's groups, N, compression positive; of a shrink fit too, whose resultant is
 /// nothing.

@@ -10,6 +10,7 @@
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/pair_figures.hpp"
+#include "contact/results/verdict.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "core/base/shared_values.hpp"
@@ -158,7 +159,7 @@ double open_fraction(const SolvedState& state, int pair, double normal, const Pa
   const double force = figures.force_on_first.norm();
   if (force > 0 && !figures.force_given_by_loads) return 1;
   const double balanced = normal > 0 && !state.pairs[pair].bonded() ? 1 - force / normal : 0;
-  return balanced > solved_fraction ? balanced : 0;
+  return balanced > relevant_force_fraction ? balanced : 0;
 }
 
 /// Estimate of a pair's force, relative; none where the zone is not resolved.

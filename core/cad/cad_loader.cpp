@@ -209,7 +209,7 @@ std::vector<std::vector<CadModel::SectionEdge>> CadModel::section(const ProfileF
 }
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading) {
   if (cad_format(file) == CadFormat::unknown)
-    throw InputError(file + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
+    throw InputError(file + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep, .brp)");
   std::error_code missing;
   if (std::filesystem::exists(file, missing) && !std::filesystem::is_regular_file(file, missing))
     throw InputError(file + ": is not a file but a folder or device");

@@ -252,7 +252,7 @@ double cell_size_for_cad(const TomlCursor& body, double longest) {
 
 CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const TomlCursor& body) {
   node.expect_keys({"file", "solid", "unit", "repair", "faces"});
-  const TomlCursor file_node = node.at("file", "a .step, .stp, .iges, .igs or .brep file");
+  const TomlCursor file_node = node.at("file", "a .step, .stp, .iges, .igs, .brep or .brp file");
   const std::string given = file_node.string("a file name");
   const std::string file = (std::filesystem::path(node.text().file).parent_path() / given).string();
   const double scale = read_cad_scale(node, given);

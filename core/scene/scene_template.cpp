@@ -449,7 +449,7 @@ void check_cad_options(const InitOptions& options) {
         "hand)");
   const CadFormat format = cad_format(options.cad);
   if (format == CadFormat::unknown)
-    throw InputError(options.cad + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
+    throw InputError(options.cad + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep, .brp)");
   if (format == CadFormat::brep && options.unit.empty())
     throw InputError(fmt::format("{} needs --unit: a .brep file does not say its unit (allowed: {})", options.cad,
                                  join(unit_names())));

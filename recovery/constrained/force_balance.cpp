@@ -237,7 +237,9 @@ class PairFace {
       next.assign(nodes.size(), 0.0);
       each_product(all, [&](int m, int n, double mass) {
         if (moving[n] == 0 || (to_marked[n] > 0 && !marked[m])) return;
-        const double share = mass / (to_marked[n] > 0 ? to_marked[n] : sum[n]) * moving[n];
+        const double around = to_marked[n] > 0 ? to_marked[n] : sum[n];
+        if (!(around > 0)) return;  // a node whose cells the face only touches
+        const double share = mass / around * moving[n];
         if (marked[m])
           force[m] += share;
         else if (!blocked[m])

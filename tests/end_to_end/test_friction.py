@@ -65,7 +65,7 @@ class Friction(unittest.TestCase):
         self.assertLess(abs(pair["capacity"] / PULL_OUT - 1), 4 * pair["capacity_error_estimate"])
         self.assertRegex(pair["verdict"], "^(partial slip: |slips everywhere)")
         self.assertIn("capacity is mu times the integral", written["friction"])
-        self.close(abs(pair["torque"]["carried"]), 400, 1e-3)
+        self.close(abs(pair["torque"]["carried"]), 400, 1e-6)  # by equilibrium, whatever the cells
         self.assertGreater(pair["work"], 0)
         self.close(pair["stick_area"] + pair["slip_area"], 2 * math.pi * 0.02 * 0.02, 1e-3)
         for body in written["balance"]:
