@@ -507,7 +507,7 @@ std::string conditions_section(const Results& results, const PageContents& conte
                      cell(figure(std::abs(pair.interference), length_unit(std::abs(pair.interference)))) +
                      text_cell(std::string(pair.interference > 0 ? "interference" : "clearance") +
                                (pair.preload ? ", found for a preload of " + scaled(*pair.preload, "N") : "")) +
-                     cell(force_figure(told_force(pair))));
+                     cell(force_figure(pair.force_on_first.norm())));
   if (!fits.empty())
     text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
   const std::string shown =
