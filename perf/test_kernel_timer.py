@@ -24,7 +24,7 @@ steps = ["scene", "cut cells", "operator", "solve", "recovery", "error estimate"
 assert set(regions) == set(steps), regions
 for label in ("cgcontact::cut_cells::integrate", "cgcontact::contact_pairs::closest_distance",
               "cgcontact::patch_lists::list", "cgcontact::fit_kernels::sums", "cgcontact::constrained_fits::rows", "cgcontact::batched_fit::fit",
-              "cgcontact::error_estimate::cells", "cgcontact::output::draw_bodies"):
+              "cgcontact::error_estimate::cells", "cgcontact::output::files"):
     assert kernels.get(label, (0, 0))[0] > 0, (label, sorted(kernels))
 # Kernels without a label have the name of their C++ type.
 ours = [name for name in kernels if "cgcontact" in name]
