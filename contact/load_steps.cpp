@@ -67,7 +67,7 @@ void LoadSteps::solve_increment() {
   state_.outer = solver_->solve(progress_.step);
 }
 
-/// Loads, prescribed displacements and interferences of the present increment.
+/// Returns the factors of loads, prescribed displacements and interferences in the present increment.
 StepSpec LoadSteps::present_step() const {
   const Increment& increment = increments_[present_];
   StepSpec step = steps_[increment.step];
@@ -152,7 +152,7 @@ void LoadSteps::release_lost_bodies() {
   state_.make_system(exec_);
 }
 
-/// A failure after preloads were changed counts only if it comes again, from nothing.
+/// Repeats a failure after preloads were changed: it counts only if it comes again, from nothing.
 bool LoadSteps::repeat_tightened() { return std::exchange(tightened_, false) && !is_solved(); }
 
 /// Divides a step with friction in which the outer iteration ran out.
@@ -256,7 +256,7 @@ void LoadSteps::renew_solver(bool from_present) {
   present_ = 0;
 }
 
-/// Bodies stay where they are along surfaces, as far as no load drives them.
+/// Holds bodies where they are along surfaces, as far as no load drives them.
 void LoadSteps::hold_along_surfaces() {
   for (const SupportPoint& point : TangentialDrift(state_.bodies, state_.supports, state_.pairs).hold(state_.bodies))
     state_.supports.push_back(point);

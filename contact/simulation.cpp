@@ -171,7 +171,7 @@ void Simulation::choose_reference() {
   }
 }
 
-/// In the order in which the results need each other.
+/// Fills the results in the order in which they need each other.
 void Simulation::fill_results() {
   fill_counts(state, results);
   fill_forces();
@@ -190,7 +190,7 @@ void Simulation::fill_results() {
       results.steps.back().pairs[k].friction = results.pairs[k].friction;
 }
 
-/// What acts at contact and supports.
+/// Fills what acts at contact and supports.
 void Simulation::fill_forces() {
   results.contact_rows = contact_rows(state);
   if (const std::string held = held_contact(state, results.contact_rows); state.outer.converged && !held.empty()) {
@@ -204,14 +204,15 @@ void Simulation::fill_forces() {
   if (const std::string warning = surface_hold_warning(state); !warning.empty()) add_warning(results, warning);
 }
 
-/// The bodies, with the errors of their energy.
+/// Fills the bodies, with the errors of their energy.
 void Simulation::fill_fields() {
   results.bodies = body_fields(state);
   estimate_energy_errors(state, results);
   set_rigid_figures(state, results.pairs, results.bodies);
 }
 
-/// The verdict needs the errors of the gaps; those of the contact need the verdict, and may change it.
+/// Estimates errors and judges: the verdict needs the errors of the gaps; those of the contact need the verdict, and
+/// may change it.
 void Simulation::estimate_errors() {
   estimate_gap_errors(state, results.contact_rows, results.bodies, results.pairs);
   results.verdict = judge(state, results);
@@ -221,7 +222,7 @@ void Simulation::estimate_errors() {
   estimate_peak_errors(results);
 }
 
-/// What may be wrong with a solution that converged.
+/// Warns of what may be wrong with a solution that converged.
 void Simulation::warn_of_results() {
   for (const auto& warnings :
        {small_strain_warnings(state, results.contact_rows),

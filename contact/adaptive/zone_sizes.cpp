@@ -53,8 +53,8 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double f
   }
 }
 
-/// Where the faces of a pair that has missed contact overlap, but for what would carry next to nothing: a grid that
-/// follows the deepest overlap alone may lose the others, and these the next time.
+/// Finds where the faces of a pair that has missed contact overlap, but for what would carry next to nothing: a grid
+/// that follows the deepest overlap alone may lose the others, and these the next time.
 std::vector<LeastGap> lost_zones(const SolvedState& state, const std::vector<MissedOverlap>& missed, std::size_t pair) {
   const auto own = std::find_if(missed.begin(), missed.end(),
                                 [&](const MissedOverlap& overlap) { return overlap.pair == static_cast<int>(pair); });
@@ -111,24 +111,21 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     const ContactPair& pair = state.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const std::vector<LeastGap> lost = lost_zones(state, missed, p);
+    for (const LeastGap& gap : lost)
+      zone.missed.push_back({gap.x, gap.cell, gap.cell / state.scene.accuracy.max_change});
     if (results.pairs[p].active_points > 0) {
       zone.relevant = pressing_force(results.pairs[p]) >= relevant_force_fraction * largest;
-      zone.resolved = verdict.of_closed.value_or(verdict.state) == Verdict::State::resolved;
+      zone.resolved = verdict.closed_state() == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
       if (!verdict.of_closed) zone.needed = verdict.cell_size_needed;
       if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell)
         narrow_to_overlap(state, p, zone);
-      for (const LeastGap& gap : lost)
-        zone.missed.push_back({gap.x, gap.cell, gap.cell / state.scene.accuracy.max_change});
       zone.relevant |= !zone.missed.empty();
       continue;
     }
-    for (const LeastGap& gap : lost) {
-      zone.balls.push_back({gap.x, gap.cell, gap.cell});
-      zone.cell = std::max(zone.cell, gap.cell);
-    }
-    if (zone.balls.empty()) add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
-    zone.relevant = !zone.balls.empty();
+    for (const LeastGap& gap : lost) zone.cell = std::max(zone.cell, gap.cell);
+    if (lost.empty()) add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
+    zone.relevant = !zone.balls.empty() || !zone.missed.empty();
   }
   return zones;
 }

@@ -20,7 +20,7 @@ struct ZoneState {
   bool narrowed = false;          ///< found between the quadrature points of cells that are larger
   double error = 0;               ///< of the pressure, relative, for the next sizes (two_grid_estimate.hpp)
   std::vector<SizedBall> balls;   ///< closed groups or what may touch; size: that of the present cells
-  std::vector<SizedBall> missed;  ///< overlaps apart from closed groups; size: that asked of the next cells
+  std::vector<SizedBall> missed;  ///< overlaps that transmit nothing; size: that asked of the next cells
 };
 
 /// Sets the local sizes of a resolved zone that ends where the faces end (a flat punch: peak of pressure at the rim):

@@ -16,7 +16,7 @@ constexpr double line_indentation = 0.75 * pi;
 /// Width of a contact zone over that of the overlap: 0.71 for spheres, 0.64 for cones and wedges.
 constexpr double width_of_overlap = 0.7;
 
-/// Long and short axes of the ellipse with these moments (of order 0, 1, 2), m.
+/// Returns the long and the short axis of the ellipse with these moments (of order 0, 1, 2), m.
 std::pair<double, double> axes_of_overlap(double area, const Vec3& first, const Mat3& second);
 
 /// Returns E* of two bodies, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, Pa.

@@ -132,10 +132,7 @@ void find_resultants(const Scene& scene, int body, BodyModel& model) {
     const FaceMoments moments = moments_of(load.face.face, model);
     if (!(moments.area() > 0)) continue;  // reported as a face without points
     try {
-      // A force along an axis of revolution has no moment about any point.
-      model.resultants[l] = model.spec->axisymmetric()
-                                ? moments.with_resultants(load.force, Vec3::Zero(), moments.centroid())
-                                : load.resulting_traction(moments);
+      model.resultants[l] = load.resulting_traction(moments, model.spec->axisymmetric());
     } catch (const InputError& error) {
       throw InputError(load.location, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
                        load.bearing ? "bearing = true for a cylinder, with a force across its axis"

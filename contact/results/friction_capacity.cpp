@@ -196,7 +196,7 @@ std::optional<double> error_of_force(const SolvedState& state, const Results& re
   const PairFigures& figures = results.pairs[k];
   if (k >= results.verdict.pairs.size() || !figures.force_error_estimate) return {};
   const Verdict::Pair& verdict = results.verdict.pairs[k];
-  if (verdict.state == Verdict::State::not_resolved) return {};
+  if (verdict.closed_state() == Verdict::State::not_resolved) return {};
   if (state.pairs[k].spec->preload && state.scene.steps.size() < 2) return *figures.force_error_estimate;
   if (figures.force_given_by_loads) {
     const double turned = std::max(0.0, 1 - figures.force_on_first.norm() / force);

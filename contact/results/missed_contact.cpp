@@ -119,7 +119,7 @@ class ClosedGroups {
   }
 
  private:
-  /// Distance of the centres of groups in second next cells, along a diagonal.
+  /// Returns the distance of the centres of groups in second next cells, along a diagonal.
   static double reach(double cell) { return 2 * std::sqrt(2.0) * cell; }
   static double max_reach(const ContactPair& pair) {
     double cell = 0;
@@ -132,7 +132,8 @@ class ClosedGroups {
   bool any_ = false;
 };
 
-/// Force of an overlap, N; samples: with distances before deformation; closer: by so much, m.
+/// Returns the force of an overlap, N, in plane strain on cells of one size as of a round one; samples: with distances
+/// before deformation; closer: by so much, m.
 double indentation_force(const SolvedState& state, const ContactPair& pair, const std::vector<GapSample>& samples,
                          double closer) {
   double volume = 0, area = 0;

@@ -45,7 +45,8 @@ double squared_error(const BodyFields& body) {
   return energy > 0 ? std::min(error / energy, 1.0) : 0;
 }
 
-/// The deepest overlap of a pair that presses elsewhere, unless all of them would transmit less than min_force, N.
+/// Returns the deepest overlap of a pair that presses elsewhere, unless all of them would transmit less than min_force,
+/// N.
 std::optional<LeastGap> deepest_overlap(const SolvedState& state, std::size_t pair, double min_force) {
   double force = 0;
   std::optional<LeastGap> deepest;

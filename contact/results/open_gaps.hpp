@@ -8,7 +8,8 @@
 
 namespace cgcontact {
 
-/// Sets the smallest gap and its estimated error of every pair without contact; bodies: with the errors of their cells.
+/// Sets the smallest gap and its estimated error of every pair without contact, and the deepest overlap of pairs that
+/// miss contact beside closed points; bodies: with the errors of their cells.
 ///
 /// The error of a displacement goes with the square of that of the energy norm: for the load's own exactly, for that of
 /// a unit force at the gap as far as the cells resolve both equally well. So the error of the gap is the sum over both

@@ -166,7 +166,7 @@ double open_fraction(const SolvedState& state, int pair, double normal, const Pa
 std::optional<double> force_error(const SolvedState& state, const Verdict::Pair& verdict, double open_fraction,
                                   double energy_error) {
   if (open_fraction == 0) return 0;
-  if (verdict.state == Verdict::State::not_resolved) return std::nullopt;
+  if (verdict.closed_state() == Verdict::State::not_resolved) return std::nullopt;
   return (verdict.cells_across ? state.scene.results.edge_factor : 1) * open_fraction * energy_error;
 }
 
@@ -215,7 +215,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
       figures.pressure_on_face = figures.pressure_on_face && (face || !rows[i].touching);
       if (!face) continue;
       errors[i] = face->error;
-      if (verdict.state == Verdict::State::not_resolved)
+      if (verdict.closed_state() == Verdict::State::not_resolved)
         errors[i] = std::hypot(errors[i], face->pressure - rows[i].pressure_spr);
     }
     if (figures.pressure_on_face) figures.force_error_of_pressure = open * energy_error;

@@ -51,9 +51,7 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
 ZoneWidth width_between_points(const ContactPair& pair) {
   double area = 0, cells = 0, largest = 0;
   for (const ContactGroup& group : pair.groups) {
-    bool closed = false;
-    for (int q = group.first_point; q < group.last_point; ++q) closed |= pair.points.active(q);
-    if (!closed) continue;
+    if (!is_closed(pair, group)) continue;
     area += group.area;
     cells += std::pow(group.larger_cell, 2);
     largest = std::max(largest, group.larger_cell);
@@ -246,9 +244,9 @@ void judge_errors(const SolvedState& state, Results& results) {
   const double largest = largest_pressing_force(results.pairs);
   for (std::size_t p = 0; p < results.pairs.size(); ++p) {
     Verdict::Pair& pair = verdict.pairs[p];
-    if (pair.state != State::resolved || error[p] <= state.scene.results.largest_error * pressure[p]) continue;
-    pair.state = State::not_resolved;
-    pair.cell_size_needed = cell[p] / 2;
+    if (pair.closed_state() != State::resolved || error[p] <= state.scene.results.largest_error * pressure[p]) continue;
+    (pair.of_closed ? *pair.of_closed : pair.state) = State::not_resolved;
+    if (!pair.of_closed) pair.cell_size_needed = cell[p] / 2;
     std::optional<double>& of_force = results.pairs[p].force_error_estimate;
     if (of_force && *of_force > 0) of_force.reset();
     if (verdict.state != State::resolved || pressing_force(results.pairs[p]) < relevant_force_fraction * largest)

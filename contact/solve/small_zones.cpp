@@ -175,7 +175,7 @@ std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     by_cell.add(g);
     if (has(first_[pair] + g)) continue;
-    for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points.active(q);
+    closed[g] = is_closed(p, p.groups[g]);
   }
   std::vector<std::size_t> next;
   for (std::size_t g = 0; g < p.groups.size(); ++g) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <tuple>
 #include <utility>
 
@@ -205,7 +204,7 @@ CurvedTriangles::Rim CurvedTriangles::rim_of(const Triangle& corners_of, const C
   return rim;
 }
 
-/// Triangles that fill the rim, as indices of its points. pole: of the corners, < 0: none.
+/// Returns triangles that fill the rim, as indices of its points. pole: of the corners, < 0: none.
 std::vector<std::array<int, 3>> CurvedTriangles::children_of(const Rim& rim, int pole) const {
   if (rim.size() == 3) return {{0, 1, 2}};
   if (rim.size() == 6) return {{5, 0, 1}, {1, 2, 3}, {3, 4, 5}, {1, 3, 5}};

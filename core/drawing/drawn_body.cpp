@@ -272,7 +272,7 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
 
 DrawnBody draw_body(const BodyFields& fields) { return draw_body(fields, clip_cells(*fields.cut_cells)); }
 
-/// Bodies are clipped side by side, each on one thread; their fields come from all threads together.
+/// Clips bodies side by side, each on one thread; their fields come from all threads together.
 std::vector<DrawnBody> draw_bodies(const Results& results) {
   std::vector<ClippedMesh> meshes(results.bodies.size());
   parallel_for("cgcontact::drawn_body::clip", meshes.size(), 1,

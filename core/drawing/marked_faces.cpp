@@ -52,7 +52,7 @@ FaceTraction MarkedFaces::resultant_of(int load) const {
                  grid.rotation * points.normal_of_facet(p)))
       moments.add(grid.to_global(points.position[p]), grid.rotation * points.normal[p],
                   points.weight[p] * area_factor(grid));
-  return moments.area() > 0 ? spec.resulting_traction(moments) : FaceTraction();
+  return moments.area() > 0 ? spec.resulting_traction(moments, scene_.bodies[body].axisymmetric()) : FaceTraction();
 }
 
 MarkedFaces::Selected MarkedFaces::select(const FaceRef& face) const {

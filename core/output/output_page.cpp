@@ -87,7 +87,7 @@ std::string estimate(const Results& results, const PairFigures& pair, const std:
   const std::size_t k = static_cast<std::size_t>(&pair - results.pairs.data());
   if (pair.active_points == 0) return "-";
   const bool coarse =
-      k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+      k < results.verdict.pairs.size() && results.verdict.pairs[k].closed_state() == Verdict::State::not_resolved;
   if (!error) return coarse ? "not resolved" : "none";
   if (error == 0 && pair.force_given_by_loads) return figure(0, "given by the loads");
   return coarse ? figure(*error, "not resolved") : percent_figure(*error);
@@ -275,13 +275,13 @@ std::string reliability(const Results& results) {
   bool given_by_loads = true;
   for (std::size_t k = 0; k < results.pairs.size(); ++k) {
     const PairFigures& pair = results.pairs[k];
-    if (k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved) {
+    if (k < results.verdict.pairs.size() && results.verdict.pairs[k].closed_state() == Verdict::State::not_resolved) {
       ++unresolved;
       continue;
     }
     pressure = std::max(pressure, pair.pressure_error_estimate);
     forces = std::max(forces, pair.force_error_estimate.value_or(0));
-    given_by_loads &= pair.force_given_by_loads;
+    given_by_loads &= pair.force_given_by_loads && pair.force_error_estimate == 0.0;
   }
   if (unresolved > 0)
     text += paragraph(fmt::format(

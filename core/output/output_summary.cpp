@@ -57,7 +57,7 @@ Lines pair_table(const Results& results, std::size_t rows) {
     const PairFigures& pair = results.pairs[k];
     const double force = told_force(pair);
     const bool coarse =
-        k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+        k < results.verdict.pairs.size() && results.verdict.pairs[k].closed_state() == Verdict::State::not_resolved;
     const auto error = [&](const std::optional<double>& estimate) {
       return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent_text(*estimate) : "-";
     };

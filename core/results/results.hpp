@@ -165,8 +165,8 @@ struct PairFigures {
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there
   bool force_given_by_loads = false;                  ///< its resultant, by equilibrium alone
-  /// Smallest gap left between faces that nothing presses, and its estimated error, m; none: contact, or nothing
-  /// opposite.
+  /// Smallest gap left between faces that nothing presses, and its estimated error, m; beside closed points the deepest
+  /// overlap that was missed (negative, error 0); none: contact without such, or nothing opposite.
   std::optional<double> min_gap, min_gap_error;
   Vec3 min_gap_at = Vec3::Zero();           ///< m
   double min_gap_cell = 0;                  ///< m, size of the larger cell there
@@ -191,6 +191,8 @@ struct Verdict {
     std::optional<double> cells_across;
     std::optional<double> cell_size_needed;  ///< m, at most, of both bodies; where the zone is not resolved or missed
     std::optional<State> of_closed;          ///< of the closed points alone, where the pair has missed another zone
+    /// Returns the state of what is closed.
+    State closed_state() const { return of_closed.value_or(state); }
   };
   State state = State::resolved;
   std::string text;  ///< one sentence

@@ -123,12 +123,12 @@ struct BodySpec {
   /// Six unknowns instead of elasticity.
   bool rigid() const { return material.is_rigid(); }
   bool axisymmetric() const { return unit_radius > 0; }
-  /// Coordinate along the axis of revolution.
+  /// Returns the coordinate along the axis of revolution.
+  int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
   /// Returns the axis along which nothing varies, if there is one.
   std::optional<int> axis_across() const {
     return plane_strain ? std::optional(static_cast<int>(*plane_strain)) : std::nullopt;
   }
-  int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
   /// Returns whether x (m) is inside or on the boundary, within rounding.
   bool holds(const Vec3& x) const;
   /// Returns whether a point (m) of the face lies on shapes other than its owners.
@@ -184,7 +184,9 @@ struct LoadSpec {
   Vec3 traction_at(const Vec3& x, const Vec3& n, const FaceTraction& resulting) const {
     return Vec3(traction[0](x), traction[1](x), traction[2](x)) - pressure(x) * n + resulting.at(x, n);
   }
-  FaceTraction resulting_traction(const FaceMoments& moments) const {
+  /// axisymmetric: on a body of revolution, where a force along the axis has no moment about any point.
+  FaceTraction resulting_traction(const FaceMoments& moments, bool axisymmetric) const {
+    if (axisymmetric) return moments.with_resultants(force, Vec3::Zero(), moments.centroid());
     return bearing ? moments.with_bearing(force)
                    : moments.with_resultants(force, moment, at.value_or(moments.centroid()));
   }

@@ -340,7 +340,7 @@ struct Multigrid::Impl {
         KOKKOS_LAMBDA(const int i) { y(i) += factor * x(i); });
   }
 
-  /// Approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there on;
+  /// Computes an approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there on;
   /// overwrites b. The residual's norm follows from that before the step: one sum over all ranks serves all products.
   void solve_coarse(std::size_t l) const {
     const Level& level = *levels[l];

@@ -3,9 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "core/base/decompositions.hpp"
 #include "kernels/mesh/halo.hpp"
@@ -249,7 +247,7 @@ void SurfaceSmoother<Real>::store_rows(const SurfaceRows& rows) {
   surface_ = Vector("cgcontact::smoother::surface", num_rows_);
 }
 
-/// C = 1 + sum over touched nodes b^T D^-1 b.
+/// Makes C = 1 + sum over touched nodes b^T D^-1 b.
 template <class Real>
 void SurfaceSmoother<Real>::make_matrix(const SurfaceRows& rows) {
   matrix_.reset();

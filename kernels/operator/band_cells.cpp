@@ -192,7 +192,7 @@ std::size_t BandCells<Real>::bytes() const {
 
 namespace {
 
-/// The material of a level's cells, in units of mu.
+/// Returns the material of a level's cells, in units of mu.
 template <class Real>
 typename BandCells<Real>::Law law_of(const BodyMesh& mesh) {
   typename BandCells<Real>::Law law;

@@ -17,7 +17,7 @@ using Teuchos::rcp;
 
 namespace {
 
-/// Products of one vector with others, by one sum over all ranks.
+/// Returns products of one vector with others, by one sum over all ranks.
 template <std::size_t count>
 std::array<double, count> ordered_products(const TpetraVector& x,
                                            const std::array<const TpetraVector*, count>& others) {

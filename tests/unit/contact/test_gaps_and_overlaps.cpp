@@ -1,10 +1,12 @@
 /// Contact as it is found from the geometry: real overlaps and gaps of many cells, thin bodies, conforming faces,
 /// bodies that contact alone holds.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "contact/preparation.hpp"
+#include "contact/results/missed_contact.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_gaps_and_overlaps {
@@ -282,6 +284,65 @@ TEST(FreeMotion, LostContactIsNamed) {
   const Results& r = solved->results();
   EXPECT_FALSE(r.converged);
   EXPECT_NE(r.diagnosis.find("body \"ball\" is free to"), std::string::npos) << r.diagnosis;
+}
+
+/// Two rollers of one rigid tool on a block, 20 um deep; cells resolve the zone of the first. The second is `lift` (m)
+/// higher, on cells of 4 mm whose groups stay open.
+std::string two_rollers(double lift) {
+  const std::string grid = R"(
+cell_size = 0.004
+refine = [{sphere = {center = [-0.02, 0, 0], radius = 0.0015}, size = 6e-5}]
+)";
+  return fmt::format(R"(
+plane_strain = "z"
+[[body]]
+name = "block"
+shape = {{box = {{min = [-0.05, -0.05, 0], max = [0.05, 0, 0.001]}}}}
+material = {{E = 210e9, nu = 0.3}}{0}
+[[body]]
+name = "tool"
+rigid = true
+shape = {{union = [
+  {{name = "a", cylinder = {{base = [-0.02, 0.01, 0], top = [-0.02, 0.01, 0.001], radius = 0.01}}}},
+  {{name = "b", cylinder = {{base = [0.02, {1}, 0], top = [0.02, {1}, 0.001], radius = 0.01}}}},
+  {{name = "bar", box = {{min = [-0.03, 0.01, 0], max = [0.03, 0.02, 0.001]}}}}]}}
+faces = [{{name = "both", surfaces = ["a.side", "b.side"]}}]{0}
+[[support]]
+face = "block.y-"
+displacement = {{x = 0, y = 0}}
+[[support]]
+face = "tool.bar.y+"
+displacement = {{x = 0, y = "-20 um"}}
+[[contact]]
+faces = ["block.y+", "tool.both"]
+)",
+                     grid, 0.01 + lift);
+}
+
+/// A zone that coarse cells lose beside one that presses: the verdict says where, how deep, and that the rest is
+/// resolved. By the law of its overlap it would carry six times what the first one does, which has the same shape: the
+/// law takes all of the depth for the approach near the zone, most of which is the block's between the zone and its
+/// support. Nothing is missed where the second roller is apart or would carry less than a hundredth.
+TEST(HiddenOverlaps, AreFoundBesideAZoneThatPresses) {
+  const auto lost = test::run_text(two_rollers(0), {});
+  const Results& results = lost->results();
+  ASSERT_TRUE(results.converged);
+  EXPECT_EQ(results.verdict.state, Verdict::State::contact_missed) << results.verdict.text;
+  ASSERT_TRUE(results.verdict.pairs[0].of_closed);
+  EXPECT_EQ(*results.verdict.pairs[0].of_closed, Verdict::State::resolved);
+  EXPECT_LT(*results.pairs[0].min_gap, -15e-6);
+  EXPECT_GT(*results.pairs[0].min_gap, -20.5e-6);
+  EXPECT_NEAR(results.pairs[0].min_gap_at[0], 0.02, 1e-4);
+  double force = 0;
+  for (const HiddenOverlap& overlap : hidden_overlaps(lost->simulation->state, 0)) force += overlap.force;
+  const double ratio = force * lost->simulation->state.bodies[0].slices / results.pairs[0].force_on_first.norm();
+  EXPECT_GT(ratio, 4);
+  EXPECT_LT(ratio, 8);
+  for (const double lift : {30e-6, 19.95e-6}) {
+    const auto found = test::run_text(two_rollers(lift), {});
+    EXPECT_EQ(found->results().verdict.state, Verdict::State::resolved) << found->results().verdict.text;
+    EXPECT_FALSE(found->results().pairs[0].min_gap);
+  }
 }
 
 }  // namespace

@@ -253,7 +253,7 @@ TEST(Ranks, SumsOfSharedRows) {
   constexpr int num_rows = 30;
   const auto has = [](int row, int rank) { return row % 5 == 0 ? rank == 1 : (row + rank) % 3 != 0; };
   const auto part = [](int row, int rank) { return 0.1 * row + 1.0 / (rank + 3); };
-  std::vector<int> own, shared;
+  std::vector<int> own;
   for (int row = 0; row < num_rows; ++row)
     if (has(row, this_rank())) own.push_back(row);
   const std::vector<RowPart> parts = parts_of_shared_rows(own);
