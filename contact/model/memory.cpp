@@ -83,7 +83,7 @@ double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& 
   double bytes = program_itself();
   if (extras.pictures) bytes += 13e6;
   if (extras.pictures_of_steps) bytes += 45e6;
-  if (extras.fields_beside_pictures) bytes += 18e6;  // 16 MB in large pages, 45,120 unknowns
+  if (extras.fields_beside_pictures) bytes += 39e6;  // what two threads take more than one, 45,120 unknowns
   if (extras.cad) bytes += 35e6;
   if (const auto& points = extras.points) bytes += 1200 * points->contact + 730 * points->rows + 440 * points->support;
   for (const BodySize& body : bodies) {
