@@ -62,8 +62,9 @@ int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
   int fullest = cell;
   double best = -1;
   for (int n = 0; n < 27; ++n) {
-    const Vec3 step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    const int near = cc.find(cc.level(cell), {c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1});
+    const Index3 to = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+    const Vec3 step(to[0], to[1], to[2]);
+    const int near = cc.find(cc.level(cell), {c[0] + to[0], c[1] + to[1], c[2] + to[2]});
     if (near < 0) continue;
     const double away = (Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5) + step - middle / cc.size(cell)).norm();
     const double score = cc.volume_fraction(near) - 1e-3 * step.norm() - 1e-6 * away;

@@ -46,7 +46,8 @@ struct FaceGrid {
 
   int num_patches() const { return size[0] * size[1]; }
   FacePosition centre(int patch) const {
-    return low + FacePosition((patch / size[1] + 0.5) * spacing[0], (patch % size[1] + 0.5) * spacing[1]);
+    const int row = patch / size[1], column = patch % size[1];
+    return low + FacePosition((row + 0.5) * spacing[0], (column + 0.5) * spacing[1]);
   }
   /// Returns the area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
