@@ -178,7 +178,7 @@ Preparation discretise(const Scene& scene, bool refuse_near_limit) {
   check_memory_early(scene, refuse_near_limit);
   Preparation p;
   p.bodies = make_body_models(scene);
-  p.supports = make_support_points(scene, p.bodies);
+  p.supports = make_support_points(scene, p.bodies, &p.warnings);
   p.pairs = make_contact_pairs(scene, p.bodies);
   return p;
 }

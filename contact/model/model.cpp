@@ -1,5 +1,7 @@
 #include "contact/model/model.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -7,6 +9,7 @@
 #include "contact/model/around_axis.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/refined_grid.hpp"
+#include "core/base/rounding.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/scene/face_dividers.hpp"
 
@@ -460,9 +463,47 @@ void hold_one_layer(int support, int b, const BodyModel& body, const BodyFace& f
   }
 }
 
+/// Sine of the angle from which on directions differ (of parallel ones the cosine is 1 but for rounding).
+const double independent = std::sqrt(2 * rounding);
+
+/// Supports of one body that come before another one.
+class EarlierSupports {
+ public:
+  EarlierSupports(const Scene& scene, const BodyModel& body, int support) : scene_(scene), body_(body) {
+    for (int s = 0; s < support; ++s)
+      if (const SupportSpec& spec = scene.supports[s];
+          spec.face.body == scene.supports[support].face.body && !spec.implied)
+        faces_.emplace_back(s, BodyFace(spec.face.face, body));
+  }
+  /// Returns whether they hold a direction at a boundary point already; springs do not.
+  bool hold(int p, const Vec3& direction) const {
+    Vec3 rest = direction;
+    std::vector<Vec3> basis;
+    for (const auto& [s, face] : faces_) {
+      if (!face.contains(p)) continue;
+      for (const HeldDirection& held : held_at(scene_, body_, s, body_.point(p), body_.normal(p))) {
+        if (held.stiffness > 0) continue;
+        Vec3 next = held.direction;
+        for (const Vec3& e : basis) next -= next.dot(e) * e;
+        if (next.norm() < independent) continue;
+        basis.push_back(next.normalized());
+        rest -= rest.dot(basis.back()) * basis.back();
+      }
+    }
+    return rest.norm() < independent;
+  }
+  bool any() const { return !faces_.empty(); }
+
+ private:
+  const Scene& scene_;
+  const BodyModel& body_;
+  std::vector<std::pair<int, BodyFace>> faces_;
+};
+
 }  // namespace
 
-std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
+std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies,
+                                              std::vector<std::string>* warnings) {
   std::vector<SupportPoint> points;
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
     const SupportSpec& support = scene.supports[s];
@@ -476,12 +517,18 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       continue;
     }
     points.reserve(points.size() + face.points().size());
+    const EarlierSupports earlier(scene, body, s);
+    int repeated = 0;
     for (const int p : face.points()) {
       const Vec3 x = body.point(p), n = body.normal(p);
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p)};
       for (const HeldDirection& held : held_at(scene, body, s, x, n)) {
+        if (earlier.any() && held.stiffness == 0 && earlier.hold(p, held.direction)) {
+          ++repeated;  // twice the stress would act on it
+          continue;
+        }
         point.component = held.component;
         point.direction = held.direction;
         point.prescribed = point.value = held.value;
@@ -489,6 +536,11 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
         points.push_back(point);
       }
     }
+    if (repeated > 0 && warnings)
+      warnings->push_back(fmt::format(
+          "the support of \"{}.{}\" repeats directions that earlier supports hold at {} of its points: the reaction "
+          "there is told with those",
+          body.spec->name, support.face.face.name, repeated));
   }
   points.shrink_to_fit();
   return points;

@@ -1,6 +1,8 @@
 /// Supports about an axis, springs to the ground and rotated faces, held to states that the elements have exactly.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "contact/model/held_directions.hpp"
 #include "contact/preparation.hpp"
 #include "core/base/errors.hpp"
@@ -202,6 +204,39 @@ force = [2e5, 2e5, 2e5]
   expect(
       solved->results(), [&](const Vec3&) { return Sym3(Sym3::Zero()); }, 1e-8 * t,
       [&](const Vec3&) { return Vec3(t / 1e9, t / 2e9, t / 4e9); }, 1e-10 * t / 1e9);
+}
+
+/// What is held twice, as a whole face, in another way or on a part of it, is held once: a bar under its pressure keeps
+/// its exact state, on cells that do not fit it. The first support takes the reaction, a warning names the others.
+TEST(Supports, RepeatedOnesHoldOnce) {
+  const std::string bar = R"(
+[[body]]
+name = "bar"
+shape = {box = {min = [0, 0, 0], max = [0.1, 0.1, 0.3]}}
+material = {E = 200e9, nu = 0}
+cell_size = 0.03
+grid = {offset = [0.3, 0.2, 0.4]}
+faces = [{name = "part", surfaces = ["box.z-"], box = {min = [-1, -1, -1], max = [0.04, 1, 1]}}]
+[[support]]
+face = "bar.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[load]]
+face = "bar.z+"
+pressure = 1e6
+)";
+  for (const std::string again :
+       {"face = \"bar.z-\"\nsymmetry = true", "face = \"bar.z-\"\ndisplacement = {x = 0, y = 0, z = 0}",
+        "face = \"bar.part\"\ndisplacement = {normal = 0}"}) {
+    const auto solved = test::run_text(bar + "[[support]]\n" + again + "\n");
+    const Results& results = solved->results();
+    expect(
+        results, [&](const Vec3&) { return Sym3(-1e6 * Sym3::Unit(2)); }, 1e-7 * 1e6,
+        [&](const Vec3& x) { return Vec3(0, 0, -1e6 / 200e9 * x[2]); }, 1e-8 * 1e6 / 200e9);
+    EXPECT_NEAR(results.supports[0].force[2], 1e4, 1e-4) << again;
+    EXPECT_NEAR(results.supports[1].force.norm(), 0, 1e-4) << again;
+    const auto told = [](const std::string& text) { return text.find("repeats directions") != std::string::npos; };
+    EXPECT_TRUE(std::any_of(results.warnings.begin(), results.warnings.end(), told)) << again;
+  }
 }
 
 /// What the axis of a face is: of a cylinder also from facets and from a region of it; of other faces there is none.
