@@ -446,6 +446,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
     }
     if (errors.met) {
       figures_.reached = true;
+      figures_.text.clear();  // of a solve before that did not converge
       break;
     }
     if (const std::string text = converged ? beyond_all_grids(simulation_->state) : ""; !text.empty()) {
