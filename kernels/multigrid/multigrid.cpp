@@ -340,8 +340,9 @@ struct Multigrid::Impl {
         KOKKOS_LAMBDA(const int i) { y(i) += factor * x(i); });
   }
 
-  /// Computes an approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there on;
-  /// overwrites b. The residual's norm follows from that before the step: one sum over all ranks serves all products.
+  /// Computes an approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there
+  /// on; overwrites b. The residual's norm follows from that before the step: one sum over all ranks serves all
+  /// products.
   void solve_coarse(std::size_t l) const {
     const Level& level = *levels[l];
     if (l + 1 == levels.size() || settings.coarse_steps == 0 || !level.is_worked_on) return cycle(l);

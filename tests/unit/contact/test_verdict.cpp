@@ -2,7 +2,6 @@
 /// the cells that they ask for.
 #include <gtest/gtest.h>
 
-
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/simulation.hpp"
