@@ -39,7 +39,7 @@ CONFIGURE = "cmake --preset serial -S {source} -B {build} --log-level=WARNING"
 BUILD = "ninja -C {build} cgcontact"
 PROGRAM = "{build}/cgcontact"
 QUIET = ["--quiet", *(word for key in ("vtk", "csv", "plots", "report") for word in ("--set", f"output.{key}=false"))]
-# Of a run, not of its results.
+# Entries that tell of a run, not of its results.
 NOT_COMPARED = re.compile(r"^(command|files|times_s|peak_memory_bytes|threads|backend|ranks|rank_figures|version|scene)\b|\bseconds$")
 FIGURES = {"force": re.compile(r"^contact\[\d+\]\.(normal_force|force\b)"), "pressure": re.compile(r"^contact\[\d+\]\.max_pressure$"),
            "outer": re.compile(r"^outer_iterations$"), "linear": re.compile(r"^linear_iterations$"), "residuals": re.compile(r"residual"),

@@ -50,8 +50,7 @@ class Overlap {
       area_ += g.group->area;
       force_ += std::max(g.force, 0.0);
       cell_ = std::max(cell_, g.group->larger_cell);
-      for (int q = g.group->first_point; q < g.group->last_point; ++q)
-        nearest_ = std::min(nearest_, pair_.points.distance(q));
+      nearest_ = std::min(nearest_, nearest_distance(pair_, *g.group));
     }
     const BodyModel &a = state.bodies[pair_.primary], &b = state.bodies[pair_.secondary];
     common_planes_ = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),

@@ -435,6 +435,12 @@ Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
   return sum / group.area;
 }
 
+double nearest_distance(const ContactPair& pair, const ContactGroup& group) {
+  double nearest = pair.points.distance(group.first_point);
+  for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points.distance(q));
+  return nearest;
+}
+
 bool is_closed(const ContactPair& pair, const ContactGroup& group) {
   for (int q = group.first_point; q < group.last_point; ++q)
     if (pair.points.active(q)) return true;

@@ -23,8 +23,10 @@ struct ContactGroup {
 };
 
 struct ContactPair;
-/// Return the mean of a contact group's points, m; whether one of them is closed.
+/// Return the mean of a contact group's points, m; the least distance of one from the other body before deformation, m;
+/// whether one is closed.
 Vec3 centre_of(const ContactPair& pair, const ContactGroup& group);
+double nearest_distance(const ContactPair& pair, const ContactGroup& group);
 bool is_closed(const ContactPair& pair, const ContactGroup& group);
 
 struct ContactPair {

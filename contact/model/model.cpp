@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 
@@ -466,6 +467,23 @@ void hold_one_layer(int support, int b, const BodyModel& body, const BodyFace& f
 /// Sine of the angle from which on directions differ (of parallel ones the cosine is 1 but for rounding).
 const double independent = std::sqrt(2 * rounding);
 
+/// Directions that are held at one point.
+class HeldSpan {
+ public:
+  /// Adds a direction; returns false where those before hold it.
+  bool add(const Vec3& direction) {
+    Vec3 rest = direction;
+    for (int k = 0; k < size_; ++k) rest -= rest.dot(basis_[k]) * basis_[k];
+    if (rest.norm() < independent) return false;
+    basis_[size_++] = rest.normalized();
+    return true;
+  }
+
+ private:
+  std::array<Vec3, 3> basis_;
+  int size_ = 0;
+};
+
 /// Supports of one body that come before another one.
 class EarlierSupports {
  public:
@@ -475,24 +493,16 @@ class EarlierSupports {
           spec.face.body == scene.supports[support].face.body && !spec.implied)
         faces_.emplace_back(s, BodyFace(spec.face.face, body));
   }
-  /// Returns whether they hold a direction at a boundary point already; springs do not.
-  bool hold(int p, const Vec3& direction) const {
-    Vec3 rest = direction;
-    std::vector<Vec3> basis;
+  /// Returns what they hold at a boundary point, x (m) with the outward normal n; springs hold nothing.
+  HeldSpan held_at_point(int p, const Vec3& x, const Vec3& n) const {
+    HeldSpan span;
     for (const auto& [s, face] : faces_) {
       if (!face.contains(p)) continue;
-      for (const HeldDirection& held : held_at(scene_, body_, s, body_.point(p), body_.normal(p))) {
-        if (held.stiffness > 0) continue;
-        Vec3 next = held.direction;
-        for (const Vec3& e : basis) next -= next.dot(e) * e;
-        if (next.norm() < independent) continue;
-        basis.push_back(next.normalized());
-        rest -= rest.dot(basis.back()) * basis.back();
-      }
+      for (const HeldDirection& held : held_at(scene_, body_, s, x, n))
+        if (held.stiffness == 0) span.add(held.direction);
     }
-    return rest.norm() < independent;
+    return span;
   }
-  bool any() const { return !faces_.empty(); }
 
  private:
   const Scene& scene_;
@@ -524,8 +534,9 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p)};
+      HeldSpan span = earlier.held_at_point(p, x, n);
       for (const HeldDirection& held : held_at(scene, body, s, x, n)) {
-        if (earlier.any() && held.stiffness == 0 && earlier.hold(p, held.direction)) {
+        if (held.stiffness == 0 && !span.add(held.direction)) {
           ++repeated;  // twice the stress would act on it
           continue;
         }
@@ -537,10 +548,11 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       }
     }
     if (repeated > 0 && warnings)
-      warnings->push_back(fmt::format(
-          "the support of \"{}.{}\" repeats directions that earlier supports hold at {} of its points: the reaction "
-          "there is told with those",
-          body.spec->name, support.face.face.name, repeated));
+      warnings->push_back(
+          fmt::format("the support of \"{}.{}\" repeats directions that are held already at {} of its points: the "
+                      "reaction there is "
+                      "told with those that came first",
+                      body.spec->name, support.face.face.name, repeated));
   }
   points.shrink_to_fit();
   return points;

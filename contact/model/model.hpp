@@ -128,7 +128,7 @@ void set_loads(const Scene& scene, const StepSpec& step, BodyModel& model);
 /// Makes cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
 std::vector<BodyModel> make_body_models(const Scene& scene);
 
-/// Returns the constrained directions of all supports at their points. What earlier supports hold there already is left
+/// Returns the constrained directions of all supports at their points. What is held there already is left
 /// out: the stress would act on it twice; a warning tells where.
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies,
                                               std::vector<std::string>* warnings = nullptr);

@@ -80,16 +80,21 @@ std::optional<LeastGap> gap_at_points(const std::vector<ContactRow>& rows, int p
   return least;
 }
 
+/// Samples a group where distances before deformation may be below a limit, m; empty: none is, or all points are
+/// farther than that by more than a cell.
+std::vector<GapSample> samples_below(const SolvedState& state, const ContactPair& pair, const ContactGroup& group,
+                                     double limit) {
+  if (nearest_distance(pair, group) > limit + group.larger_cell) return {};
+  return sample_gap(state.bodies, pair, group, limit);
+}
+
 /// The smallest gap of the deformed faces below `enough` that lies between their boundary points: at an edge or a tip.
 std::optional<LeastGap> gap_between_points(const SolvedState& state, const ContactPair& pair, double enough) {
   std::vector<std::optional<LeastGap>> least(pair.groups.size());
   parallel_for("cgcontact::missed_contact::between_points", least.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
-    double nearest = pair.points.distance(group.first_point);
-    for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points.distance(q));
-    const double closer = pair.interference - gap_change(state, pair, group), limit = enough + closer;
-    if (nearest > limit + group.larger_cell) return;
-    for (const GapSample& sample : sample_gap(state.bodies, pair, group, limit))
+    const double closer = pair.interference - gap_change(state, pair, group);
+    for (const GapSample& sample : samples_below(state, pair, group, enough + closer))
       if (!least[g] || sample.distance - closer < least[g]->gap)
         least[g] = LeastGap{sample.distance - closer, sample.x, group.larger_cell};
   });
@@ -194,11 +199,8 @@ std::vector<HiddenOverlap> hidden_overlaps(const SolvedState& state, std::size_t
   parallel_for("cgcontact::missed_contact::hidden_overlaps", overlaps.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
     if (closed.near(group)) return;
-    double nearest = 1e300;
-    for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points.distance(q));
     const double closer = pair.interference - gap_change(state, pair, group);
-    if (nearest > closer + group.larger_cell) return;
-    const std::vector<GapSample> samples = sample_gap(state.bodies, pair, group, closer);
+    const std::vector<GapSample> samples = samples_below(state, pair, group, closer);
     LeastGap& deepest = overlaps[g].deepest;
     for (const GapSample& sample : samples)
       if (const double gap = sample.distance - closer; gap < deepest.gap) deepest = {gap, sample.x, group.larger_cell};

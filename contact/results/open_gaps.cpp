@@ -70,12 +70,12 @@ void estimate_gap_errors(const SolvedState& state, const std::vector<ContactRow>
     const auto nearest = figures.active_points > 0 ? deepest_overlap(state, p, relevant_force_fraction * largest)
                                                    : min_gap(state, rows, p);
     if (!nearest) continue;
-    if (deformation.empty()) deformation = deformations(state);
     figures.min_gap = nearest->gap;
     figures.min_gap_at = nearest->x;
     figures.min_gap_cell = nearest->cell;
     figures.min_gap_error = 0;
-    if (figures.active_points > 0) continue;
+    if (figures.active_points > 0) continue;  // an overlap is one whatever the error
+    if (deformation.empty()) deformation = deformations(state);
     for (const int body : {pair.primary, pair.secondary})
       *figures.min_gap_error += safety * squared_error(bodies[body]) * deformation[body];
   }

@@ -339,13 +339,6 @@ double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<d
          own_displacement / (effective_modulus(pair) * group(pair, g).larger_cell) * std::max(group_force[g], 0.0);
 }
 
-double SmallZones::nearest_distance(std::size_t pair, std::size_t g) const {
-  const ContactGroup& own = group(pair, g);
-  double nearest = 1e300;
-  for (int q = own.first_point; q < own.last_point; ++q) nearest = std::min(nearest, pairs_[pair].points.distance(q));
-  return nearest;
-}
-
 /// Returns the deepest overlap of the faces of squeezed bodies, m, at most a cell: by that much deeper a body may come
 /// on its other side.
 double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
@@ -354,8 +347,9 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
     if (led_[pair] != DisplacementDriven::squeezed) continue;
     for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
-      deepest = std::max(deepest, std::min(group(pair, g).larger_cell,
-                                           approach(pair, g, gap_change, group_force) - nearest_distance(pair, g)));
+      deepest =
+          std::max(deepest, std::min(group(pair, g).larger_cell, approach(pair, g, gap_change, group_force) -
+                                                                     nearest_distance(pairs_[pair], group(pair, g))));
   }
   return deepest;
 }
@@ -370,7 +364,8 @@ void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_ch
   for (std::size_t k = 0; k < p.groups.size(); ++k) {
     if (resolved[k]) continue;
     const std::size_t g = first_[pair] + k;
-    if (nearest_distance(pair, g) - approach(pair, g, gap_change, group_force) < p.groups[k].larger_cell)
+    if (nearest_distance(pairs_[pair], group(pair, g)) - approach(pair, g, gap_change, group_force) <
+        p.groups[k].larger_cell)
       candidates.push_back(g);
   }
   parallel_for("cgcontact::small_zones::sample_candidates", candidates.size(), 1, [&](std::size_t i) {

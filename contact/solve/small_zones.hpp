@@ -92,7 +92,6 @@ class SmallZones {
   double effective_modulus(std::size_t pair) const;
   const ContactGroup& group(std::size_t pair, std::size_t g) const { return pairs_[pair].groups[g - first_[pair]]; }
   double deepest_squeeze(const std::vector<double>& gap_change, const std::vector<double>& group_force) const;
-  double nearest_distance(std::size_t pair, std::size_t g) const;
   void set_active_points(std::size_t pair, std::size_t g, double change, double extra);
 
   const std::vector<BodyModel>& bodies_;

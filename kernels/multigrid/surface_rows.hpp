@@ -36,7 +36,7 @@ struct SurfaceRows {
   template <class Real>
   void add_w_of_column(const NodeColumns<Real>& columns, int number);
 
-  // Of the row that is being added.
+  // The row that is being added.
   std::vector<std::pair<int, Vec3>> entries_;  ///< node, of k^1/2 B
   std::vector<int> columns_;                   ///< that its nodes are in
 };

@@ -47,7 +47,7 @@ struct ElasticSystem {
   std::vector<Material> materials;
   Scales scales;
   GroupRows groups;
-  /// Of a system of several ranks, where rows have entries at own nodes only: sums of the rows that ranks share;
+  /// Sums of the rows that ranks share, of a system of several ranks, where rows have entries at own nodes only;
   /// nullptr: none are shared.
   std::shared_ptr<const RowSums> group_sums;
   std::vector<GroupRow> group_rows;          ///< host copy of the rows of `groups`

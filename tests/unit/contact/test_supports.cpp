@@ -226,7 +226,7 @@ pressure = 1e6
 )";
   for (const std::string again :
        {"face = \"bar.z-\"\nsymmetry = true", "face = \"bar.z-\"\ndisplacement = {x = 0, y = 0, z = 0}",
-        "face = \"bar.part\"\ndisplacement = {normal = 0}"}) {
+        "face = \"bar.part\"\ndisplacement = {normal = 0}", "face = \"bar.z-\"\ndisplacement = {z = 0, normal = 0}"}) {
     const auto solved = test::run_text(bar + "[[support]]\n" + again + "\n");
     const Results& results = solved->results();
     expect(
