@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/parallel.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -24,6 +26,8 @@ constexpr int patch_subdivision = 2;
 constexpr std::size_t max_cutting_patches = 8;
 /// Volume (cell units) below which polyhedra are rounding only.
 constexpr double min_volume = 1e-25;
+/// Cells that are clipped by themselves: enough that the points of their common faces, which two ranges make, are few.
+constexpr std::size_t cells_per_range = 1024;
 
 using Hexahedron = std::array<int, 8>;
 using Tetrahedron = std::array<int, 4>;
@@ -82,11 +86,66 @@ double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   return (b - a).cross(c - a).dot(d - a) / 6;
 }
 
+/// Position of a grid node in eighths of a cell.
+std::uint64_t node_key(const Index3& fine) {
+  return (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
+         static_cast<std::uint64_t>(fine[0]);
+}
+Index3 node_of(std::uint64_t key) {
+  constexpr std::uint64_t mask = (1u << 21) - 1;
+  return {static_cast<int>(key & mask), static_cast<int>(key >> 21 & mask), static_cast<int>(key >> 42)};
+}
+
+/// What makes a point: a node of the grid, or an edge between two points that meets a surface.
+struct Origin {
+  std::uint64_t node;  ///< its key, of an edge unused
+  int a, b, surface;   ///< ends of the edge, a: -1 for a node
+};
+
+/// One level of a body, as all ranges of its cells see it.
+struct Level {
+  explicit Level(const CutCells& cut_cells);
+
+  const CutCells& cut_cells;
+  const BodyGeometry& body;
+  const bool has_facets;
+  const std::vector<Surface>& surfaces;
+  int subdivision = 1;
+  std::vector<int> all_surfaces;
+  int whole;                   ///< number of the boundary as a whole, the one after the surfaces
+  std::vector<Surface> alone;  ///< BodyGeometry::surfaces_alone, where there are patches
+};
+
+Level::Level(const CutCells& c)
+    : cut_cells(c),
+      body(c.solid.geometry()),
+      has_facets(body.num_facets() > 0),
+      surfaces(body.surfaces()),
+      whole(static_cast<int>(surfaces.size())) {
+  double curvature = 0;
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    all_surfaces.push_back(static_cast<int>(s));
+    curvature = std::max(curvature, surfaces[s].max_curvature());
+    if (surfaces[s].kind == Surface::Kind::patch) subdivision = patch_subdivision;
+  }
+  while (subdivision < max_subdivision && curvature / (8.0 * subdivision * subdivision) > max_sagitta) subdivision *= 2;
+  if (has_facets) alone = body.surfaces_alone();
+}
+
+/// Mesh of a range of cells, with the origin of each point.
+struct RangeMesh {
+  ClippedMesh mesh;
+  std::vector<Origin> origins;
+};
+
+/// Clips a range of cells by itself.
 class Clipper {
  public:
-  explicit Clipper(const CutCells& cut_cells);
-  ClippedMesh run();
-  ClippedMesh run_boundary();
+  explicit Clipper(const Level& level)
+      : level_(level), cut_cells_(level.cut_cells), body_(level.body), surfaces_(level.surfaces), whole_(level.whole) {
+    inner_side_.assign(surfaces_.size() + 1, 0);
+  }
+  RangeMesh run(std::size_t first, std::size_t last);
 
  private:
   void clip_cell(int active);
@@ -101,8 +160,9 @@ class Clipper {
   void set_far_sides(const Vec3& centre, const std::vector<int>& surfaces);
   bool is_inside(const Vec3& centroid) const;
   bool is_inside_beyond(const std::array<int, 3>& points, int surface);
-  int add_point(const Vec3& x);
+  int add_point(const Vec3& x, const Origin& origin);
   int node(const Index3& fine);
+  bool comes_first(int a, int b) const;
   int edge_point(int a, int b, int surface);
   int side(int point, int surface) const;
   double distance(int point, int surface) const;
@@ -112,18 +172,12 @@ class Clipper {
   static int side_by_distance(double distance);
   template <class Points>
   void set_sides(const Points& points, const std::vector<int>& surfaces);
-  void drop_inner_triangles();
-  void add_facets();
-  void drop_unused_points();
-  void add_interior_points();
 
+  const Level& level_;
   const CutCells& cut_cells_;
   const BodyGeometry& body_;
-  const bool has_facets_;
   const std::vector<Surface>& surfaces_;
-  int subdivision_ = 1;
-  std::vector<int> all_surfaces_;
-  int whole_;                       ///< number of the boundary as a whole, the one after the surfaces
+  const int whole_;
   std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
   std::vector<int> cube_surfaces_;  ///< those that come near the cube in work
   int active_ = -1;                 ///< the cell in work
@@ -132,56 +186,114 @@ class Clipper {
   /// surface and side.
   std::vector<int> fixed_begin_{0};
   std::vector<std::pair<int, int>> fixed_sides_;
-  GridNumbers node_numbers_;
-  std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
-  std::unordered_map<std::uint64_t, int> fine_nodes_;
+  std::unordered_map<std::uint64_t, int> nodes_;  ///< points at nodes, by their keys
   mutable EntriesOfPoints<PatchDistance> patch_distances_;
-  mutable std::vector<Surface> alone_;  ///< BodyGeometry::surfaces_alone; empty until needed
   EntriesOfPoints<EdgePoint> edge_points_;
   std::vector<PatchDistance> measured_;  ///< of the point in work
   std::vector<Tetrahedron> tetrahedra_, next_tetrahedra_;
   ClippedMesh mesh_;
+  std::vector<Origin> origins_;
 };
 
-Clipper::Clipper(const CutCells& cut_cells)
-    : cut_cells_(cut_cells),
-      body_(cut_cells.solid.geometry()),
-      has_facets_(body_.num_facets() > 0),
-      surfaces_(body_.surfaces()) {
-  whole_ = static_cast<int>(surfaces_.size());
-  inner_side_.assign(surfaces_.size() + 1, 0);
-  node_numbers_ = cut_cells.numbers.corners();
+/// Joins the meshes of ranges to that of a level: points of the same origin become one.
+class LevelMesh {
+ public:
+  explicit LevelMesh(const Level& level);
+  void add(const RangeMesh& range);
+  ClippedMesh finish();
+  ClippedMesh facets_alone();
+
+ private:
+  int point_of(const Origin& origin, const std::vector<int>& number, const RangeMesh& range, int p);
+  int append(const Vec3& x, int cell);
+  void add_facets();
+  void drop_inner_triangles();
+  void drop_unused_points();
+  void add_interior_points();
+
+  const Level& level_;
+  const CutCells& cut_cells_;
+  GridNumbers node_numbers_;
+  std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
+  std::unordered_map<std::uint64_t, int> fine_nodes_;
+  EntriesOfPoints<EdgePoint> edge_points_;
+  ClippedMesh mesh_;
+};
+
+LevelMesh::LevelMesh(const Level& level)
+    : level_(level), cut_cells_(level.cut_cells), node_numbers_(level.cut_cells.numbers.corners()) {
   nodes_.assign(node_numbers_.size(), -1);
-  double curvature = 0;
-  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    all_surfaces_.push_back(static_cast<int>(s));
-    curvature = std::max(curvature, surfaces_[s].max_curvature());
-    if (surfaces_[s].kind == Surface::Kind::patch) subdivision_ = patch_subdivision;
-  }
-  while (subdivision_ < max_subdivision && curvature / (8.0 * subdivision_ * subdivision_) > max_sagitta)
-    subdivision_ *= 2;
 }
 
-ClippedMesh Clipper::run() {
-  for (std::size_t active = 0; active < cut_cells_.cells.size(); ++active) clip_cell(static_cast<int>(active));
+int LevelMesh::append(const Vec3& x, int cell) {
+  mesh_.points.push_back(x);
+  mesh_.cell_of_point.push_back(cell);
+  return static_cast<int>(mesh_.points.size()) - 1;
+}
+
+/// Returns the point that has the origin of point p of a range, a new one where there is none. number: of the points of
+/// the range before.
+int LevelMesh::point_of(const Origin& origin, const std::vector<int>& number, const RangeMesh& range, int p) {
+  const auto new_point = [&] { return append(range.mesh.points[p], range.mesh.cell_of_point[p]); };
+  if (origin.a >= 0) {
+    const int a = number[origin.a], b = number[origin.b];
+    const auto matches = [&](const EdgePoint& e) { return e.other_end == b && e.surface == origin.surface; };
+    if (const EdgePoint* const known = edge_points_.find(a, matches)) return known->point;
+    const int point = new_point();
+    edge_points_.add(a, {b, origin.surface, point});
+    return point;
+  }
+  const Index3 fine = node_of(origin.node);
+  const bool coarse = (fine[0] | fine[1] | fine[2]) % max_subdivision == 0;
+  int& point = coarse ? nodes_[node_numbers_.find(
+                            {fine[0] / max_subdivision, fine[1] / max_subdivision, fine[2] / max_subdivision})]
+                      : fine_nodes_.try_emplace(origin.node, -1).first->second;
+  if (point < 0) point = new_point();
+  return point;
+}
+
+void LevelMesh::add(const RangeMesh& range) {
+  std::vector<int> number(range.origins.size());
+  for (std::size_t p = 0; p < number.size(); ++p)
+    number[p] = point_of(range.origins[p], number, range, static_cast<int>(p));
+  const auto joined = [&](auto corners) {
+    for (int& p : corners) p = number[p];
+    return corners;
+  };
+  const ClippedMesh& m = range.mesh;
+  const auto append_all = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+  for (const auto& h : m.hexahedra) mesh_.hexahedra.push_back(joined(h));
+  for (const auto& t : m.tetrahedra) mesh_.tetrahedra.push_back(joined(t));
+  for (const BoundaryTriangle& t : m.boundary) mesh_.boundary.push_back({joined(t.points), t.cell, t.surface});
+  append_all(m.cell_of_hexahedron, mesh_.cell_of_hexahedron);
+  append_all(m.cell_of_tetrahedron, mesh_.cell_of_tetrahedron);
+  append_all(m.interior.cells, mesh_.interior.cells);
+}
+
+ClippedMesh LevelMesh::facets_alone() {
+  add_facets();
+  return std::move(mesh_);
+}
+
+ClippedMesh LevelMesh::finish() {
   drop_inner_triangles();
-  if (has_facets_) add_facets();
+  if (level_.has_facets) add_facets();
   drop_unused_points();
   add_interior_points();
   return std::move(mesh_);
 }
 
-ClippedMesh Clipper::run_boundary() {
-  if (!has_facets_) return run();
-  add_facets();
-  return std::move(mesh_);
+RangeMesh Clipper::run(std::size_t first, std::size_t last) {
+  for (std::size_t active = first; active < last; ++active) clip_cell(static_cast<int>(active));
+  return {std::move(mesh_), std::move(origins_)};
 }
 
 /// The candidates that may cross a cube.
 std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
                                         const std::vector<int>& candidates) const {
   const bool as_whole = candidates.size() == 1 && candidates[0] == whole_;
-  std::vector<int> near = body_.surfaces_near(centre, half_size, on_tolerance, as_whole ? all_surfaces_ : candidates);
+  std::vector<int> near =
+      body_.surfaces_near(centre, half_size, on_tolerance, as_whole ? level_.all_surfaces : candidates);
   if (!near.empty() && as_whole) near.assign(1, whole_);
   return near;
 }
@@ -202,7 +314,7 @@ void Clipper::clip_cell(int active) {
   active_ = active;
   const Index3& c = cut_cells_.cells[active];
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
-  std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
+  std::vector<int> near = surfaces_near(centre, 0.5, level_.all_surfaces);
   const bool endless = body_.has_endless_surfaces();
   if (!endless && near.size() > max_cutting_patches) near.assign(1, whole_);
   const bool full = cut_cells_.cut_of_active[active] < 0;
@@ -210,11 +322,11 @@ void Clipper::clip_cell(int active) {
     mesh_.interior.cells.push_back(active);
     return;
   }
-  cell_surfaces_ = endless ? all_surfaces_ : near;
-  set_far_sides(centre, all_surfaces_);
+  cell_surfaces_ = endless ? level_.all_surfaces : near;
+  set_far_sides(centre, level_.all_surfaces);
   const bool curved =
       std::any_of(near.begin(), near.end(), [&](int s) { return is_patch(s) || surfaces_[s].max_curvature() > 0; });
-  const int divisions = curved && !full ? subdivision_ : 1;
+  const int divisions = curved && !full ? level_.subdivision : 1;
   const int size = max_subdivision / divisions;
   for (int k = 0; k < divisions; ++k)
     for (int j = 0; j < divisions; ++j)
@@ -276,13 +388,15 @@ void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Te
   int sides[4];
   for (int v = 0; v < 4; ++v) sides[v] = side(tetrahedron[v], surface);
   int first = -1, second = -1;
-  std::pair<int, int> lowest{0, 0};
+  std::pair<int, int> lowest{-1, -1};
   for (int a = 0; a < 4; ++a)
     for (int b = a + 1; b < 4; ++b) {
       if (sides[a] * sides[b] >= 0) continue;
-      const std::pair<int, int> key = std::minmax(tetrahedron[a], tetrahedron[b]);
-      if (first < 0 || key < lowest) {
-        lowest = key;
+      std::pair<int, int> ends(tetrahedron[a], tetrahedron[b]);
+      if (comes_first(ends.second, ends.first)) std::swap(ends.first, ends.second);
+      if (first < 0 || (ends.first == lowest.first ? comes_first(ends.second, lowest.second)
+                                                   : comes_first(ends.first, lowest.first))) {
+        lowest = ends;
         first = a;
         second = b;
       }
@@ -346,7 +460,7 @@ void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<in
 /// Adds a face of the current polyhedron if it lies on a surface and the body ends there. (Facets are drawn
 /// themselves.)
 void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
-  if (has_facets_) return;
+  if (level_.has_facets) return;
   for (int s : surfaces) {
     if (side(points[0], s) != 0 || side(points[1], s) != 0 || side(points[2], s) != 0) continue;
     if (is_inside_beyond(points, s)) continue;
@@ -356,25 +470,27 @@ void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<
 }
 
 /// New point's number; its fixed sides, if any, have been appended before.
-int Clipper::add_point(const Vec3& x) {
+int Clipper::add_point(const Vec3& x, const Origin& origin) {
   mesh_.points.push_back(x);
   mesh_.cell_of_point.push_back(active_);
+  origins_.push_back(origin);
   fixed_begin_.push_back(static_cast<int>(fixed_sides_.size()));
   return static_cast<int>(mesh_.points.size()) - 1;
 }
 
 int Clipper::node(const Index3& fine) {
-  int* number = nullptr;
-  if ((fine[0] | fine[1] | fine[2]) % max_subdivision == 0) {
-    const Index3 coarse{fine[0] / max_subdivision, fine[1] / max_subdivision, fine[2] / max_subdivision};
-    number = &nodes_[node_numbers_.find(coarse)];
-  } else {
-    const auto key = (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
-                     static_cast<std::uint64_t>(fine[0]);
-    number = &fine_nodes_.try_emplace(key, -1).first->second;
-  }
-  if (*number < 0) *number = add_point(Vec3(fine[0], fine[1], fine[2]) / max_subdivision);
-  return *number;
+  const std::uint64_t key = node_key(fine);
+  const auto [entry, added] = nodes_.try_emplace(key, -1);
+  if (added) entry->second = add_point(Vec3(fine[0], fine[1], fine[2]) / max_subdivision, {key, -1, -1, -1});
+  return entry->second;
+}
+
+/// Returns whether point a comes before b, by their positions: all ranges of cells agree on it.
+bool Clipper::comes_first(int a, int b) const {
+  const Vec3 &x = mesh_.points[a], &y = mesh_.points[b];
+  for (int k = 2; k >= 0; --k)
+    if (x[k] != y[k]) return x[k] < y[k];
+  return a < b;
 }
 
 /// Returns where the line x + t d, 0 < t < 1, meets the boundary, given the distances at its ends, which have different
@@ -395,7 +511,7 @@ double Clipper::crossing(const Vec3& x, const Vec3& d, double at_0, double at_1)
   return t;
 }
 
-/// Returns the point where the edge from a to b, a < b, meets a surface.
+/// Returns the point where the edge from a to b, of which a comes first, meets a surface.
 int Clipper::edge_point(int a, int b, int surface) {
   const auto matches = [&](const EdgePoint& entry) { return entry.other_end == b && entry.surface == surface; };
   if (const EdgePoint* const known = edge_points_.find(a, matches)) return known->point;
@@ -424,7 +540,7 @@ int Clipper::edge_point(int a, int b, int surface) {
     if (is_patch(s)) measured_.push_back({distance, s});
     if (linear_side != side_by_distance(distance)) fixed_sides_.emplace_back(s, linear_side);
   }
-  const int point = add_point(middle);
+  const int point = add_point(middle, {0, a, b, surface});
   for (const PatchDistance& measured : measured_) patch_distances_.add(point, measured);
   edge_points_.add(a, {b, surface, point});
   return point;
@@ -444,8 +560,7 @@ bool Clipper::is_patch(int surface) const {
 double Clipper::distance_of(const Vec3& x, int surface) const {
   if (surface == whole_) return body_.signed_distance(x);
   if (!is_patch(surface)) return surfaces_[surface].signed_distance(x);
-  if (alone_.empty()) alone_ = body_.surfaces_alone();
-  return alone_[surface].signed_distance(x);
+  return level_.alone[surface].signed_distance(x);
 }
 
 /// From a point to a surface; that to a patch, a search, is kept.
@@ -466,32 +581,32 @@ int Clipper::side(int point, int surface) const {
 }
 
 /// Adds the facets of the boundary themselves, clipped cell by cell.
-void Clipper::add_facets() {
+void LevelMesh::add_facets() {
   std::map<std::pair<Index3, int>, int> adopter;  // of the facets of a patch in a cell without volume
   for (const MergedSliver& adoption : cut_cells_.adoptions)
     adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
   std::unordered_map<Vec3, int, PointHash> number;
   std::vector<int> corners;
-  body_.each_facet_in_cell([&](const Index3& cell, int surface, const Vec3* x, int num_corners) {
-    active_ = cut_cells_.find(cell);
-    if (active_ < 0) {
+  level_.body.each_facet_in_cell([&](const Index3& cell, int surface, const Vec3* x, int num_corners) {
+    int active = cut_cells_.find(cell);
+    if (active < 0) {
       const auto adopted = adopter.find({cell, surface});
       if (adopted == adopter.end()) return;  // of no area
-      active_ = adopted->second;
+      active = adopted->second;
     }
     corners.clear();
     for (int i = 0; i < num_corners; ++i) {
       const auto [entry, added] = number.try_emplace(x[i], static_cast<int>(mesh_.points.size()));
-      if (added) add_point(x[i]);
+      if (added) append(x[i], active);
       corners.push_back(entry->second);
     }
     for (int i = 2; i < num_corners; ++i)
-      mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active_, surface});
+      mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active, surface});
   });
 }
 
 /// Drops triangles that belong to two polyhedra: they lie inside the body (chords of a curved surface).
-void Clipper::drop_inner_triangles() {
+void LevelMesh::drop_inner_triangles() {
   std::vector<std::pair<std::array<int, 3>, std::size_t>> order;
   order.reserve(mesh_.boundary.size());
   for (std::size_t i = 0; i < mesh_.boundary.size(); ++i) {
@@ -509,7 +624,7 @@ void Clipper::drop_inner_triangles() {
   mesh_.boundary.resize(n);
 }
 
-void Clipper::drop_unused_points() {
+void LevelMesh::drop_unused_points() {
   std::vector<int> number(mesh_.points.size(), -1);
   for (const auto& h : mesh_.hexahedra)
     for (int p : h) number[p] = 0;
@@ -537,7 +652,7 @@ void Clipper::drop_unused_points() {
 }
 
 /// Adds the corners of interior cells that no polyhedron has.
-void Clipper::add_interior_points() {
+void LevelMesh::add_interior_points() {
   InteriorCells& interior = mesh_.interior;
   for (const int cell : interior.cells) {
     const Index3& c = cut_cells_.cells[cell];
@@ -550,6 +665,22 @@ void Clipper::add_interior_points() {
     }
   }
   interior.levels.push_back({std::move(node_numbers_), std::move(nodes_)});
+}
+
+/// Clips ranges of cells side by side and joins them in order.
+ClippedMesh clip_level(const CutCells& cut_cells) {
+  const Level level(cut_cells);
+  const std::size_t n = cut_cells.cells.size();
+  std::vector<RangeMesh> ranges(num_chunks(n, cells_per_range));
+  parallel_chunks(
+      "cgcontact::clip_cells::range", n, cells_per_range,
+      [&](std::size_t range, std::size_t first, std::size_t last) { ranges[range] = Clipper(level).run(first, last); });
+  LevelMesh mesh(level);
+  for (RangeMesh& range : ranges) {
+    mesh.add(range);
+    range = RangeMesh();
+  }
+  return mesh.finish();
 }
 
 /// Appends the mesh of one level of a body.
@@ -638,13 +769,13 @@ ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip_level) {
 
 }  // namespace
 
-ClippedMesh clip_cells(const CutCells& cut_cells) {
-  return clip_levels(cut_cells, [](const CutCells& level) { return Clipper(level).run(); });
-}
+ClippedMesh clip_cells(const CutCells& cut_cells) { return clip_levels(cut_cells, clip_level); }
 
 ClippedMesh clip_boundary(const CutCells& cut_cells) {
-  return clip_levels(cut_cells, [](const CutCells& level) {
-    return level.grid.is_quadtree() ? Clipper(level).run() : Clipper(level).run_boundary();
+  return clip_levels(cut_cells, [](const CutCells& cells) {
+    const Level level(cells);
+    if (cells.grid.is_quadtree() || !level.has_facets) return clip_level(cells);
+    return LevelMesh(level).facets_alone();
   });
 }
 

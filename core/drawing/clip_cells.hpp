@@ -73,8 +73,9 @@ struct ClippedMesh {
 /// - A cut cell is divided into the six tetrahedra around its main diagonal, the same in all cells, so that neighbours
 ///   agree on their common face. Where a curved surface passes, the cell is first divided into m^3 cubes, m chosen from
 ///   the curvature for the whole body.
-/// - A tetrahedron is cut by one surface after the other, by bisecting its edges that change side, lowest pair of point
-///   numbers first: neighbours bisect a common face in the same order, so there are no cracks.
+/// - A tetrahedron is cut by one surface after the other, by bisecting its edges that change side, in the order of
+///   their positions: neighbours bisect a common face in the same order, so there are no cracks, and ranges of cells
+///   can be clipped side by side.
 /// - A vertex closer to a surface than 1e-10 lies on it and never causes a cut. A tetrahedron whose vertices all lie on
 /// a
 ///   surface is on the side of its centroid. Tetrahedra of no volume are dropped, cells filled to less than 1e-10 with

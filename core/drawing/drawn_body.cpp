@@ -272,13 +272,9 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
 
 DrawnBody draw_body(const BodyFields& fields) { return draw_body(fields, clip_cells(*fields.cut_cells)); }
 
-/// Clips bodies side by side, each on one thread; their fields come from all threads together.
 std::vector<DrawnBody> draw_bodies(const Results& results) {
-  std::vector<ClippedMesh> meshes(results.bodies.size());
-  parallel_for("cgcontact::drawn_body::clip", meshes.size(), 1,
-               [&](std::size_t b) { meshes[b] = clip_cells(*results.bodies[b].cut_cells); });
   std::vector<DrawnBody> drawn;
-  for (std::size_t b = 0; b < meshes.size(); ++b) drawn.push_back(draw_body(results.bodies[b], std::move(meshes[b])));
+  for (const BodyFields& fields : results.bodies) drawn.push_back(draw_body(fields));
   return drawn;
 }
 
