@@ -439,7 +439,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
     }
     const ErrorFigures errors = solve(callbacks);
     const bool converged = figures_.solves.back().converged;
-    if (!converged && (has_solution() || !may_converge_when_finer_)) break;
+    if (!converged && (resolved_ || !may_converge_when_finer_)) break;
     if (converged && !errors.finite) {
       figures_.text = "an estimated error is not a number";
       break;

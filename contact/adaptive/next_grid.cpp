@@ -87,6 +87,9 @@ GridSizes first_sizes(const Scene& scene) {
 
 void halve(GridSizes& sizes) {
   for (double& size : sizes.first) size /= 2;
+  for (auto* of_bodies : {&sizes.zones, &sizes.energy})
+    for (std::vector<SizedBall>& balls : *of_bodies)
+      for (SizedBall& ball : balls) ball.size /= 2;
   sizes.change = 0.5;
 }
 

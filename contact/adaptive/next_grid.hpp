@@ -18,7 +18,7 @@ struct GridSizes {
 /// Returns the sizes of the first grids: cell_size, or from the shape.
 GridSizes first_sizes(const Scene& scene);
 
-/// Halves all first cells.
+/// Halves all cells.
 void halve(GridSizes& sizes);
 
 /// Returns the scene on grids of these sizes; cells smaller than the first become larger by a factor. max_cells: limit

@@ -129,7 +129,8 @@ Level::Level(const CutCells& c)
     if (surfaces[s].kind == Surface::Kind::patch) subdivision = patch_subdivision;
   }
   while (subdivision < max_subdivision && curvature / (8.0 * subdivision * subdivision) > max_sagitta) subdivision *= 2;
-  if (has_facets) alone = body.surfaces_alone();
+  if (std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.kind == Surface::Kind::patch; }))
+    alone = body.surfaces_alone();
 }
 
 /// Mesh of a range of cells, with the origin of each point.
