@@ -79,7 +79,9 @@ void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow&
   const Vec3 other_xi = cell_coordinates(state.bodies[other].cut_cells, opposite->cell, opposite->position);
   const Vec3 relative = displacement(state, other, opposite->cell, other_xi) - displacement(state, row.body, cell, xi);
   row.distance = opposite->distance;
-  row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
+  // As the law counts it: bodies that move along a face do not part where normals of the other face lean.
+  const Vec3 along = row.body == pair.primary ? row.normal : Vec3(-opposite->normal);
+  row.gap = opposite->distance - pair.interference + relative.dot(along);
   if (state.bodies[other].spec->rigid()) return;
   const bool carries = carries_pressure(state, other, opposite->cell, row.pair, opposite->position, -row.normal);
   if (state.bodies[row.body].spec->rigid()) {
