@@ -182,7 +182,10 @@ void LoadSteps::accept() {
   if (fraction == 1 && !state_.scene.steps.empty()) record_step();
   if (!outer.converged && first_failure_.empty())
     first_failure_ =
-        state_.scene.steps.empty() ? outer.diagnosis : fmt::format("{}: {}", name_of_step(step), outer.diagnosis);
+        state_.scene.steps.empty()
+            ? outer.diagnosis
+            : fmt::format("{}{}: {}", name_of_step(step),
+                          fraction < 1 ? fmt::format(" at {:.3g} of its change", fraction) : "", outer.diagnosis);
   not_held_.reset();
   if (outer.converged) solver_->end_step();
   ++present_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/motions/sliding.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
@@ -92,17 +93,25 @@ class FrictionZone {
       const double force = state.bodies[pair_.primary].slices * force_unit(state) * group_force[g];
       force_ += force;
       for (int q = group.first_point; q < group.last_point && force != 0; ++q)
-        transmitted_.push_back({pair_.points.x(q), force * pair_.points.weight(q) / group.area});
+        transmitted_.push_back(
+            {pair_.points.x(q), force * pair_.points.weight(q) / group.area, pair_.points.normal(q)});
     }
     for (const ContactRow& row : results.contact_rows) {
       if (row.pair != pair || !row.touching || !is_pressed(row, figures_.max_pressure)) continue;
       sides_[row.body == pair_.primary ? 0 : 1].push_back({row.x, row.normal, row.weight});
-      recovered_.push_back({row.x, row.weight * row.pressure_sprc});
+      recovered_.push_back({row.x, row.weight * row.pressure_sprc, row.normal});
     }
   }
 
   double force() const { return force_; }
-  const std::vector<SymmetryPlane>& planes() const { return frame_.planes; }
+  /// Returns the use of friction by what the first body gets.
+  double use(const Wrench& wrench) const {
+    std::vector<FrictionLimit> limits;
+    for (const Force& f : transmitted_) limits.push_back({f.x, f.normal, pair_.spec->friction * f.size});
+    const BodySpec& body = *state_.bodies[pair_.primary].spec;
+    return use_of_friction(body.axisymmetric() ? around_axis(limits, body.axis_of_revolution()) : limits, wrench,
+                           frame_.planes);
+  }
   double num_sectors() const { return std::pow(2.0, static_cast<double>(frame_.planes.size())); }
 
   /// Finds axis and capacity, without the error; or says why there is none.
@@ -124,6 +133,7 @@ class FrictionZone {
   struct Force {
     Vec3 x;
     double size;  ///< N, or in proportion to it
+    Vec3 normal;
   };
 
   std::vector<Vec3> positions(const Vec3& x, bool with_images_of) const {
@@ -220,23 +230,8 @@ std::optional<double> error_of_shear(const Results& results, std::size_t k, doub
   return std::sqrt(difference / size);
 }
 
-/// Returns how much of its capacity friction uses. In the whole zone, behind planes of symmetry too, forces across a
-/// plane cancel, and torques about axes in it. Force and torque together slide where the sum of the squares of their
-/// uses is about 1: exactly on a cylinder, within some per cent on flat faces (Howe and Cutkosky, IJRR 15 (1996) 557).
-double use_of(const FrictionFigures& friction, const std::vector<SymmetryPlane>& planes) {
-  Vec3 force = friction.force;
-  bool turns = friction.torque && friction.torque->capacity > 0;
-  for (const SymmetryPlane& plane : planes) {
-    force -= plane.normal.dot(force) * plane.normal;
-    turns = turns && std::abs(plane.normal.dot(friction.torque->axis.direction)) > 1 - no_angle;
-  }
-  return std::hypot(force.norm() / friction.capacity,
-                    turns ? friction.torque->carried / friction.torque->capacity : 0.0);
-}
-
-/// Sets what the points of a pair do, for the thickness of the bodies. planes: of symmetry, behind which the zone goes
-/// on.
-void fill_state(const SolvedState& state, std::size_t k, const std::vector<SymmetryPlane>& planes,
+/// Sets what the points of a pair do, for the thickness of the bodies. zone: none where nothing presses.
+void fill_state(const SolvedState& state, std::size_t k, const std::optional<FrictionZone>& zone,
                 FrictionFigures& friction) {
   const ContactPair& pair = state.pairs[k];
   const FrictionPoints& points = state.outer.friction[k];
@@ -256,8 +251,7 @@ void fill_state(const SolvedState& state, std::size_t k, const std::vector<Symme
   for (std::size_t q = 0; q < points.wear.size(); ++q)
     friction.wear += thickness * pair.points.weight(q) * points.wear[q];
   friction.work = thickness * points.work;
-  if (!(friction.capacity > 0)) return;
-  friction.use = use_of(friction, planes);
+  if (friction.capacity > 0) friction.use = zone->use({friction.force, thickness * moment});
 }
 
 }  // namespace
@@ -355,20 +349,19 @@ void fill_friction(const SolvedState& state, Results& results) {
     if (!(pair.spec->friction > 0)) continue;
     FrictionFigures friction;
     friction.coefficient = pair.spec->friction;
-    std::vector<SymmetryPlane> planes;
+    std::optional<FrictionZone> zone;
     if (results.pairs[k].area > 0) {
-      const FrictionZone zone(state, results, static_cast<int>(k), group_force);
-      friction.capacity = pair.spec->friction * zone.force();
-      friction.whole = zone.num_sectors() * friction.capacity;
-      planes = zone.planes();
-      friction.error = error_of_force(state, results, k, zone.force());
-      friction.torque = zone.torque(friction.why_no_torque);
+      zone.emplace(state, results, static_cast<int>(k), group_force);
+      friction.capacity = pair.spec->friction * zone->force();
+      friction.whole = zone->num_sectors() * friction.capacity;
+      friction.error = error_of_force(state, results, k, zone->force());
+      friction.torque = zone->torque(friction.why_no_torque);
       if (friction.torque && friction.error)
-        friction.torque->error = std::hypot(*friction.error, zone.difference_of_levers(friction.torque->axis));
+        friction.torque->error = std::hypot(*friction.error, zone->difference_of_levers(friction.torque->axis));
     } else {
       friction.why_no_torque = "nothing presses the faces";
     }
-    fill_state(state, k, planes, friction);
+    fill_state(state, k, zone, friction);
     friction.shear_error = error_of_shear(results, k, friction.coefficient);
     results.pairs[k].friction = friction;
   }

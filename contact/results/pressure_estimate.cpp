@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/motions/statics.hpp"
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/holding.hpp"
@@ -14,6 +15,8 @@
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "core/base/shared_values.hpp"
+#include "core/drawing/drawn_body.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 #include "recovery/patch/boundary_data.hpp"
 #include "recovery/patch/patches.hpp"
 
@@ -141,16 +144,96 @@ class LocalMean {
   std::map<double, Surroundings> surroundings_;  ///< by the rows' larger cells: few sizes
 };
 
-/// Returns the work of a pair's pressure on the gaps that are left between closed points, over twice the strain energy
-/// of the bodies: contact holds in the mean over cells only, and the energy does not know what it leaves.
-double work_on_gaps(const Results& results, int pair) {
-  double work = 0;  // J, of both faces
-  for (const ContactRow& row : results.contact_rows)
-    if (row.pair == pair && row.active && std::isfinite(row.gap))
-      work += row.weight * std::abs(row.pressure_sprc * row.gap);
-  if (!(results.estimated_error > 0)) return 0;
-  return work / 2 * std::pow(results.estimated_error_relative / results.estimated_error, 2);
+/// Returns the mean displacement of a body without what symmetry takes: across planes, and away from an axis.
+Vec3 mean_displacement(const SolvedState& state, int body, const std::vector<SymmetryPlane>& planes) {
+  const CutCells& cut_cells = state.bodies[body].cut_cells;
+  struct Sum {
+    Vec3 moved = Vec3::Zero();
+    double volume = 0;
+  };
+  std::vector<Sum> sums(num_chunks(cut_cells.cells.size(), grain_of_medium));
+  parallel_chunks("cgcontact::pressure_estimate::mean_displacement", cut_cells.cells.size(), grain_of_medium,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (int cell = static_cast<int>(begin); cell < static_cast<int>(end); ++cell) {
+                      const double volume = volume_of_cell(cut_cells, cell);
+                      sums[chunk].moved += volume * displacement(state, body, cell, Vec3::Zero());
+                      sums[chunk].volume += volume;
+                    }
+                  });
+  Sum all;
+  for (const Sum& sum : sums) {
+    all.moved += sum.moved;
+    all.volume += sum.volume;
+  }
+  Vec3 mean = all.moved / all.volume;
+  for (const SymmetryPlane& plane : planes) mean -= plane.normal.dot(mean) * plane.normal;
+  sum_around_axis(*state.bodies[body].spec, mean);
+  return mean;
 }
+
+/// (1 - nu^2)/E, 1/Pa; 0 of a rigid body.
+double plane_compliance(const Material& material) {
+  return std::isinf(material.youngs_modulus) ? 0 : (1 - std::pow(material.poisson_ratio, 2)) / material.youngs_modulus;
+}
+
+/// Squared energy norms of the solution and of what pairs stand for.
+class PairEnergies {
+ public:
+  PairEnergies(const SolvedState& state, const Results& results)
+      : state_(state),
+        results_(results),
+        norm_(results.estimated_error_relative > 0
+                  ? std::pow(results.estimated_error / results.estimated_error_relative, 2)
+                  : 0) {}
+
+  /// Returns the energy norm of the solution over that of a pair's contact; at least 1. Loads beside the contact, as
+  /// rotation, heat or a heavier contact, have errors of their own, of which the force of a contact bears the product
+  /// with those of its approach alone (Cauchy and Schwarz): its relative error grows by this ratio.
+  double all_over(int pair) const {
+    const double own = own_energy(pair);
+    return own > 0 ? std::max(1.0, std::sqrt(norm_ / own)) : 1;
+  }
+
+  /// Returns the work of a pair's pressure on the gaps that are left between closed points, over the squared energy
+  /// norm: contact holds in the mean over cells only, and the energy does not know what it leaves.
+  double work_on_gaps(int pair) const {
+    double work = 0;  // J, of both faces
+    for (const ContactRow& row : results_.contact_rows)
+      if (row.pair == pair && row.active && std::isfinite(row.gap))
+        work += row.weight * std::abs(row.pressure_sprc * row.gap);
+    return norm_ > 0 ? work / 2 / norm_ : 0;
+  }
+
+ private:
+  /// Squared energy norm of a pair's contact, J: the work of its pressure on what the faces come together and of its
+  /// force on what the bodies do, or (fits by temperature) what its force does on faces of its area alone, if that is
+  /// more. A half-space under a force N on an area A yields by N / (E* sqrt(A)), a disc by 0.89 of it (Johnson, Contact
+  /// Mechanics, 3.3).
+  double own_energy(int pair) const {
+    const ContactPair& p = state_.pairs[pair];
+    const PairFigures& figures = results_.pairs[pair];
+    double together = 0, normal = 0;  // N m, N, of both faces
+    for (const ContactRow& row : results_.contact_rows) {
+      if (row.pair != pair || !row.active || !std::isfinite(row.gap)) continue;
+      const double force = row.weight * row.pressure_sprc;
+      normal += force;
+      together += force * std::abs(row.gap - row.distance + p.interference);
+    }
+    const BodyModel &a = state_.bodies[p.primary], &b = state_.bodies[p.secondary];
+    const std::vector<SymmetryPlane> planes = common_planes(
+        symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary), a.cut_cells.grid.cell_size);
+    const Vec3 approach = mean_displacement(state_, p.primary, planes) - mean_displacement(state_, p.secondary, planes);
+    const double compliance = plane_compliance(a.spec->material) + plane_compliance(b.spec->material);
+    const double whole_area = std::pow(2.0, static_cast<double>(planes.size())) * figures.area;
+    const double of_faces =
+        figures.area > 0 ? normal * normal / 4 * compliance * std::sqrt(whole_area) / figures.area : 0;
+    return std::max(together / 2 + std::abs(approach.dot(figures.force_on_first)), of_faces);
+  }
+
+  const SolvedState& state_;
+  const Results& results_;
+  double norm_;  ///< J
+};
 
 /// Returns the fraction of a pair's force that its equilibrium leaves open: all of it, but where the loads give the
 /// resultant what balances itself, as around a shaft. normal: sum of what its points press, N.
@@ -192,7 +275,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   const std::vector<double> normal = normal_forces(state);
   const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
-  const double energy_error = std::pow(results.estimated_error_relative, 2);
+  const PairEnergies energies(state, results);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const int pair = static_cast<int>(p);
     PairFigures& figures = results.pairs[p];
@@ -201,8 +284,11 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     const Vec3& force = figures.force_on_first;
     figures.force_given_by_loads = touches && force.norm() > 0 && statics.loads_give(pair, force.normalized());
     const double open = open_fraction(state, pair, normal[p], figures);
+    const double all_over_own = touches && open > 0 ? energies.all_over(pair) : 1;
+    const double energy_error = std::pow(results.estimated_error_relative, 2) * all_over_own;
     if (touches)
-      figures.force_error_estimate = force_error(state, verdict, open, energy_error + work_on_gaps(results, pair));
+      figures.force_error_estimate =
+          force_error(state, verdict, open, energy_error + all_over_own * energies.work_on_gaps(pair));
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
     const std::vector<char> away = rows_away_from_contact(rows, pair);

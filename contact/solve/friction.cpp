@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/model/around_axis.hpp"
+#include "contact/motions/sliding.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "recovery/face/symmetry_planes.hpp"
 
@@ -77,12 +79,10 @@ Friction::Friction(const OuterProblem& problem)
   first_row_ -= num_rows();
   for (const ContactPair& pair : problem_.pairs) {
     const BodyModel &a = problem_.bodies[pair.primary], &b = problem_.bodies[pair.secondary];
-    mirrors_.emplace_back();
-    if (pair.num_tangents == 0) continue;
-    for (const SymmetryPlane& plane :
-         common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
-                       a.cut_cells.grid.cell_size))
-      mirrors_.back().push_back(plane.normal);
+    planes_.emplace_back();
+    if (pair.num_tangents > 0)
+      planes_.back() = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
+                                     a.cut_cells.grid.cell_size);
   }
   const auto frame = host_of(arrays_.frame);
   frames_.assign(frame.data(), frame.data() + frame.extent(0));
@@ -174,7 +174,8 @@ void Friction::take_drifts(const ContactGroupArrays<MemSpace>& groups) const {
       }
     }
     const int i = size[0] > 0 ? 0 : 1;
-    for (const Vec3& normal : mirrors_[&pair - problem_.pairs.data()]) sum[i] -= normal * normal.dot(sum[i]);
+    for (const SymmetryPlane& plane : planes_[&pair - problem_.pairs.data()])
+      sum[i] -= plane.normal * plane.normal.dot(sum[i]);
     const bool one_way = sum[i].norm() > min_common * size[i];
     const Vec3 way = one_way ? Vec3(sum[i].normalized()) : Vec3::Zero();
     for (const ContactGroup& g : pair.groups) {
@@ -259,7 +260,8 @@ Friction::Now Friction::now(const ContactGroupArrays<MemSpace>& groups, const Re
   return {host_of(shear), host_of(slip), host_of(slips), reference};
 }
 
-/// Measures what the loads ask along the shear of pairs that carry no more, beyond what is carried, relative to that.
+/// Measures what the loads ask along the shear of pairs that stick nowhere, beyond what friction carries, relative to
+/// that; where it is steady the pair slides, as far as the loads exceed the use of friction by a motion of the whole.
 void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   const std::vector<double> before = asked_;
   asked_.assign(problem_.pairs.size(), 0.0);
@@ -272,23 +274,37 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     if (pair.num_tangents == 0) continue;
+    std::vector<FrictionLimit> limits;
+    Wrench asked;
     double carried = 0, beyond = 0;
     bool sticks = false;
-    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++f) {
+    for (const ContactGroup& group : pair.groups) {
       double shear[2] = {0, 0};
-      for (int q = pair.groups[g].first_point; q < pair.groups[g].last_point; ++q, ++point) {
-        carried += pair.points.weight(q) * bound(point);
+      for (int q = group.first_point; q < group.last_point; ++q, ++point) {
+        const std::array<Vec3, 2> along = pair.tangents(q);
+        Vec3 force = Vec3::Zero();
+        for (int i = 0; i < pair.num_tangents; ++i)
+          force += pair.points.weight(q) * (state.shear(point, i) - mismatch(f, i) / group.area) * along[i];
         for (int i = 0; i < 2; ++i) shear[i] += state.shear(point, i);
+        carried += pair.points.weight(q) * bound(point);
+        asked.force += force;
+        asked.moment += pair.points.x(q).cross(force);
+        limits.push_back({pair.points.x(q), pair.points.normal(q), pair.points.weight(q) * bound(point)});
         sticks |= bound(point) > 0 && !state.slips(point);
       }
       if (const double size = std::hypot(shear[0], shear[1]); size > 0)
         beyond -= (mismatch(f, 0) * shear[0] + mismatch(f, 1) * shear[1]) / size;
+      ++f;
     }
     if (sticks || !(carried > 0)) continue;
     asked_[k] = beyond / carried;
     const bool is_all = residual_ < max_other_residual * pair.friction() * asked_[k];  // of what is out of balance
-    if (is_all && asked_[k] > little_beyond && std::abs(asked_[k] - before[k]) < steady * asked_[k])
-      sliding_[k] = asked_[k];
+    if (!is_all || asked_[k] <= little_beyond || std::abs(asked_[k] - before[k]) >= steady * asked_[k]) continue;
+    const BodySpec& body = *problem_.bodies[pair.primary].spec;
+    sum_around_axis(body, asked.force, &asked.moment);
+    if (body.axisymmetric()) limits = around_axis(limits, body.axis_of_revolution());
+    const double excess = use_of_friction(limits, asked, planes_[k]) - 1;
+    if (excess > little_beyond) sliding_[k] = excess;
   }
 }
 

@@ -42,8 +42,8 @@ class Friction {
   /// Returns the distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while
   /// points are held. RMS over the area.
   double residual() const { return stuck_ ? 1 : residual_; }
-  /// Returns, for pairs all of whose closed points slip while the loads exceed friction's capacity by the same from
-  /// iteration to iteration, that excess relative to the capacity. 0: the pair holds.
+  /// Returns, for pairs all of whose closed points slip while the loads exceed what friction carries
+  /// (use_of_friction()) by the same from iteration to iteration, that excess relative to it. 0: the pair holds.
   const std::vector<double>& sliding() const { return sliding_; }
 
   /// Adds rows of friction to excess_forces(): by the law at start + t along, less the linear forces. All: of all rows,
@@ -74,8 +74,8 @@ class Friction {
 
   OuterProblem problem_;
   FrictionArrays<MemSpace> arrays_;
-  std::vector<TangentFrame> frames_;        ///< those that the rows of the system have
-  std::vector<std::vector<Vec3>> mirrors_;  ///< of each pair: normals of planes of symmetry
+  std::vector<TangentFrame> frames_;                ///< those that the rows of the system have
+  std::vector<std::vector<SymmetryPlane>> planes_;  ///< of symmetry, of each pair
   int first_row_ = 0;
   bool stuck_ = true;
   bool new_step_ = true;  ///< a step may be solved several times, under several preloads

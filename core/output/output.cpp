@@ -392,6 +392,16 @@ void set_memory(Results& results) {
 
 }  // namespace
 
+/// Forgets steps of another solve than that of the results: the last one was given up or was worse. True: there were
+/// some.
+bool ResultWriter::forget_other_steps(const Results& results) {
+  if (!state_->steps || state_->steps->are_of(results)) return false;
+  state_->steps.reset();
+  std::error_code error;
+  fs::remove(state_->temporary->path() / steps_file, error);
+  return true;
+}
+
 /// Writes the results. With several ranks the first one writes, and one more the files of fields.
 std::vector<std::string> ResultWriter::write(Results& results, const Scene& scene) {
   const auto start = std::chrono::steady_clock::now();
@@ -416,9 +426,14 @@ std::vector<std::string> ResultWriter::write(Results& results, const Scene& scen
   on_all_ranks([&] {
     try {
       if (is_first_rank()) {
+        const bool without_steps = forget_other_steps(results);
         StepFields* const steps = state_->steps ? &*state_->steps : nullptr;
         if (steps) steps->add(state_->num_steps - 1, results);
         contents = write_files(results, scene, *state_->temporary, steps, apart);
+        if (without_steps)
+          contents.warnings.push_back(
+              "fields and pictures of the steps before the last one are left out: the results are those of an earlier "
+              "solve than the last (steps.csv has the figures)");
       } else if (apart && this_rank() == num_ranks() - 1) {
         const std::vector<DrawnBody> drawn = draw_bodies(results);
         write_fields(results, scene.output, drawn, make_contact_surface(results, drawn), directory);

@@ -34,6 +34,7 @@ class ResultWriter {
   std::vector<std::string> write(Results& results, const Scene& scene);
 
  private:
+  bool forget_other_steps(const Results& results);
   void finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageContents& contents,
               std::chrono::steady_clock::time_point start);
 

@@ -68,6 +68,12 @@ void StepFields::add(std::size_t number, const Results& step) {
     looks_.push_back({number, picture_name(number, num_steps_), closed_contact(step)});
 }
 
+bool StepFields::are_of(const Results& results) const {
+  return std::equal(
+      drawn_.begin(), drawn_.end(), results.bodies.begin(), results.bodies.end(),
+      [](const DrawnBody& drawn, const BodyFields& body) { return drawn.mesh.cut_cells == body.cut_cells; });
+}
+
 std::vector<std::string> StepFields::draw(const std::string& title, const SceneView& scene, GnuplotRuns& runs) {
   for (StepLook& look : looks_)
     look.words.title = fmt::format("{}{}step {} of {}", title, title.empty() ? "" : ", ", look.number + 1, num_steps_);

@@ -20,6 +20,8 @@ class StepFields {
 
   /// Adds step 0, 1, ...; step 0 begins anew (the bodies have other grids). The last one has its final pairs.
   void add(std::size_t number, const Results& step);
+  /// Returns whether the steps are those of the solve that has these results: on the same cells.
+  bool are_of(const Results& results) const;
   /// Returns the bodies with the fields of the step that was added last.
   const std::vector<DrawnBody>& drawn() const { return drawn_; }
   /// Returns the largest displacement at the points of the drawn bodies, m, by step.

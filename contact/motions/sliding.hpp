@@ -1,0 +1,33 @@
+/// Limit analysis of a contact with friction: how near a force and a moment are to making it slide as a whole.
+#pragma once
+
+#include <vector>
+
+#include "core/base/types.hpp"
+#include "core/geometry/symmetry_plane.hpp"
+
+namespace cgcontact {
+
+/// Point of a contact: m, unit normal, and the largest force that friction carries there, mu p A, N.
+struct FrictionLimit {
+  Vec3 x, normal;
+  double force;
+};
+
+/// Force (N) and moment about the origin (N m) by which one side holds the other along the faces.
+struct Wrench {
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+};
+
+/// Returns the points of a contact of revolution all around: of rings, of which they are one point each. axis: 0, 1, 2.
+std::vector<FrictionLimit> around_axis(const std::vector<FrictionLimit>& rings, int axis);
+
+/// Returns the use of friction: the largest ratio, over all rigid motions, of the work of the wrench to what friction
+/// dissipates when all points slide with the motion. At most 1 where the shear of the wrench is at most mu p, and 1
+/// where all points slide with one motion; above 1 for a wrench that friction cannot carry (kinematic theorem of limit
+/// analysis; Goyal, Ruina and Papadopoulos, Wear 143 (1991) 307, the limit surface). 0 without points. planes: of
+/// symmetry, behind which contact and wrench go on.
+double use_of_friction(const std::vector<FrictionLimit>& points, const Wrench& wrench,
+                       const std::vector<SymmetryPlane>& planes);
+
+}  // namespace cgcontact
