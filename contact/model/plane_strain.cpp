@@ -98,6 +98,14 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
                                                              : "across which the body is in plane strain",
                                    at_position(x)),
                        "no traction along " + name);
+    const Vec3 beside =
+        load.traction_at(x + body.cut_cells.grid.cell_size * Vec3::Unit(axis), body.normal(p), resultant);
+    if ((beside - traction).norm() > along_axis * std::max(beside.norm(), traction.norm()))
+      throw InputError(load.location, name_of_face(scene, load.face),
+                       fmt::format("varies with {}, {}", name, at_position(x)),
+                       fmt::format("a load that is the same for all {} ({})", name,
+                                   body.spec->axisymmetric() ? "the half-plane is that of " + name + " = 0"
+                                                             : "the body is in plane strain across it"));
   }
 }
 

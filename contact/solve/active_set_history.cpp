@@ -41,6 +41,9 @@ std::string ActiveSetHistory::describe(const std::vector<ContactPair>& pairs) co
   std::vector<long long> count;
   for (const std::vector<int>& pair : unrest_) count.push_back(std::count_if(pair.begin(), pair.end(), keeps_changing));
   const std::size_t worst = std::max_element(count.begin(), count.end()) - count.begin();
+  if (count[worst] == 0)
+    return fmt::format("the active set cycles ({} repeated states); finer cells or another grid.offset may help",
+                       repeats_);
   const ContactPair& pair = pairs[worst];
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (std::size_t q = 0; q < pair.points.size(); ++q) {

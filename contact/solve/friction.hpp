@@ -8,6 +8,7 @@
 
 #include "contact/kernels/friction_kernels.hpp"
 #include "contact/solve/outer_problem.hpp"
+#include "core/geometry/symmetry_plane.hpp"
 
 namespace cgcontact {
 

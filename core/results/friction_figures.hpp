@@ -37,8 +37,8 @@ struct FrictionFigures {
   std::optional<double> error;           ///< estimated, relative; none: not resolved, or of a step before the last
   std::optional<TorqueCapacity> torque;  ///< none: no axis is known
   std::string why_no_torque;
-  /// Use of friction's capacity: force over capacity and torque over that of the torque, the root of the sum of their
-  /// squares, of the whole zone; about 1: the faces slide. None: nothing presses.
+  /// Use of friction by force and moment on the whole zone (use_of_friction()); 1: the faces slide. None: nothing
+  /// presses.
   std::optional<double> use;
   Vec3 force = Vec3::Zero();             ///< N, what friction acts with on the first body
   double stick_area = 0, slip_area = 0;  ///< m^2, of the closed points

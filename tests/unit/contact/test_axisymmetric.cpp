@@ -308,6 +308,7 @@ TEST(Axisymmetric, WhatVariesAroundTheAxisIsRefused) {
   expect_refused(rod + "[[load]]\nface = \"rod.rod.top\"\nforce = [0, 0, 1]\nmoment = [0, 0, 1]\n",
                  "varies around the axis");
   expect_refused(rod + "[[load]]\nface = \"rod.rod.side\"\ntraction = [0, 1, 0]\n", "around the axis of revolution");
+  expect_refused(rod + "[[load]]\nface = \"rod.rod.side\"\npressure = \"1e6*(1 + y)\"\n", "varies with y");
   expect_refused(with("[[body]]", "gravity = [9.81, 0, 0]\n"), "gravity acts across its axis");
   expect_refused(with("[[body]]", "rotation = {axis = [1, 0, 0], speed = 10}\n"), "about another axis");
   expect_refused(with("[[body]]", "plane_strain = \"x\"\n"), "beside plane_strain");

@@ -2,6 +2,7 @@
 /// take, limits of the theory, gaps that are left, points and paths.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "contact/preparation.hpp"
@@ -467,6 +468,46 @@ pressure = "1e6*x/0.4"
   EXPECT_LT((loads[1].force - Vec3(0, 0, -8000 * 10 * 0.24)).norm(), exact * 2e4);
   EXPECT_LT((loads[1].about - Vec3(0.2, 0.3, 0.5)).norm(), exact);
   EXPECT_LT(loads[1].moment.norm(), exact * 2e4);
+}
+
+// A roller that is moved along a flat face without friction: the solution is that of the roller at rest, moved, also
+// where it goes by more than its zone is wide. Gaps along the roller's own normals, which lean by up to a/R, would open
+// half of its zone (largest gap: distance times lean, here four cells). Bound: the linear solves.
+TEST(Figures, PressureOfAFaceThatSlidesFar) {
+  const auto pressures = [](const std::string& along) {
+    const auto solved = test::run_text(R"(
+plane_strain = "x"
+[[body]]
+name = "block"
+shape = {name = "b", box = {min = [0, -0.02, -0.02], max = [0.01, 0.02, 0]}}
+material = {E = 210e9, nu = 0.3}
+cell_size = 1.1e-4
+grid = {offset = [0, 0.37, 0.61]}
+[[body]]
+name = "roller"
+shape = {intersection = [{name = "roller", cylinder = {base = [0, 0, 0.01], top = [0.01, 0, 0.01], radius = 0.01}},
+  {name = "cut", box = {min = [0, -0.004, -0.001], max = [0.01, 0.004, 0.003]}}]}
+material = {E = 210e9, nu = 0.3}
+cell_size = 0.9e-4
+[[support]]
+face = "block.b.z-"
+displacement = {y = 0, z = 0}
+[[support]]
+face = "roller.cut.z+"
+displacement = {y = )" + along + R"(, z = -20e-6}
+[[contact]]
+faces = ["block.b.z+", "roller.roller.side"]
+)");
+    EXPECT_TRUE(solved->simulation->results.converged);
+    std::vector<double> all;
+    for (const ContactRow& row : solved->simulation->results.contact_rows) all.push_back(row.pressure_sprc);
+    return all;
+  };
+  const std::vector<double> rest = pressures("0"), moved = pressures("0.01");
+  ASSERT_EQ(rest.size(), moved.size());
+  const double largest = *std::max_element(rest.begin(), rest.end());
+  EXPECT_GT(largest, 1e8);
+  for (std::size_t i = 0; i < rest.size(); ++i) EXPECT_NEAR(moved[i], rest[i], 1e-5 * largest) << i;
 }
 
 }  // namespace

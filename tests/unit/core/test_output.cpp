@@ -165,6 +165,23 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+// A run to an accuracy may end with a solve that is not the answer: its steps are on other cells.
+TEST_F(output, steps_of_another_solve_are_left_out) {
+  const auto answer = make_blocks(), last = make_blocks();
+  answer->scene.steps = {0.5, 1};
+  answer->scene.output.plots = false;
+  for (const bool same : {false, true}) {
+    ResultWriter writer(answer->scene, out_);
+    writer.add_step(0, (same ? answer : last)->results);
+    Results results = answer->results;
+    const std::vector<std::string> warnings = writer.write(results, answer->scene);
+    EXPECT_EQ(warnings.empty(), same);
+    if (!same) EXPECT_NE(warnings.front().find("an earlier solve than the last"), std::string::npos);
+    EXPECT_EQ(fs::exists(file("steps.vtkhdf")), same);
+    EXPECT_TRUE(fs::exists(file("result.vtkhdf")));
+  }
+}
+
 TEST_F(output, contact_csv_reads_back_to_ten_digits) {
   const auto blocks = make_blocks();
   blocks->scene.output.vtk = blocks->scene.output.plots = false;
