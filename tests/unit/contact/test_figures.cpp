@@ -479,14 +479,14 @@ TEST(Figures, PressureOfAFaceThatSlidesFar) {
 plane_strain = "x"
 [[body]]
 name = "block"
-shape = {name = "b", box = {min = [0, -0.02, -0.02], max = [0.01, 0.02, 0]}}
+shape = {name = "b", box = {min = [0, -0.004, -0.003], max = [8e-5, 0.004, 0]}}
 material = {E = 210e9, nu = 0.3}
 cell_size = 1.1e-4
 grid = {offset = [0, 0.37, 0.61]}
 [[body]]
 name = "roller"
-shape = {intersection = [{name = "roller", cylinder = {base = [0, 0, 0.01], top = [0.01, 0, 0.01], radius = 0.01}},
-  {name = "cut", box = {min = [0, -0.004, -0.001], max = [0.01, 0.004, 0.003]}}]}
+shape = {intersection = [{name = "roller", cylinder = {base = [0, 0, 0.01], top = [8e-5, 0, 0.01], radius = 0.01}},
+  {name = "cut", box = {min = [0, -0.004, -0.001], max = [8e-5, 0.004, 0.003]}}]}
 material = {E = 210e9, nu = 0.3}
 cell_size = 0.9e-4
 [[support]]

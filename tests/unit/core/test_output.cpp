@@ -168,7 +168,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 // A run to an accuracy may end with a solve that is not the answer: its steps are on other cells.
 TEST_F(output, steps_of_another_solve_are_left_out) {
   const auto answer = make_blocks(), last = make_blocks();
-  answer->scene.steps = {0.5, 1};
+  answer->scene.steps.resize(2);
   answer->scene.output.plots = false;
   for (const bool same : {false, true}) {
     ResultWriter writer(answer->scene, out_);
@@ -176,7 +176,7 @@ TEST_F(output, steps_of_another_solve_are_left_out) {
     Results results = answer->results;
     const std::vector<std::string> warnings = writer.write(results, answer->scene);
     EXPECT_EQ(warnings.empty(), same);
-    if (!same) EXPECT_NE(warnings.front().find("an earlier solve than the last"), std::string::npos);
+    EXPECT_TRUE(same || warnings.front().find("an earlier solve than the last") != std::string::npos);
     EXPECT_EQ(fs::exists(file("steps.vtkhdf")), same);
     EXPECT_TRUE(fs::exists(file("result.vtkhdf")));
   }
