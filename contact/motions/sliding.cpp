@@ -18,7 +18,7 @@ constexpr double no_sliding = 1e-3;
 /// Fraction of the largest speed that points count with at least; change of the ratio that ends the iteration; largest
 /// number of steps.
 constexpr double min_speed = 1e-6, settled = 1e-6;
-constexpr int max_steps = 100;
+constexpr int max_weightings = 100;
 /// Points of a ring: motions across the axis and about it work alike on any number above two.
 constexpr int points_of_ring = 8;
 
@@ -78,7 +78,7 @@ double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& of
   // The sum of |v| is the limit of sums of v^2 / |v of the step before|.
   std::vector<double> speed(points.size(), 1.0);
   double use = 0;
-  for (int step = 0; step < max_steps; ++step) {
+  for (int step = 0; step < max_weightings; ++step) {
     const double least = min_speed * *std::max_element(speed.begin(), speed.end());
     Motions resisted = Motions::Zero();
     for (std::size_t i = 0; i < points.size(); ++i) {
