@@ -9,8 +9,8 @@
 namespace cgcontact {
 namespace {
 
-using Motion = Eigen::Matrix<double, 6, 1>;
-using Motions = Eigen::Matrix<double, 6, 6>;
+using SlidingMotion = Eigen::Matrix<double, 6, 1>;
+using SlidingMatrix = Eigen::Matrix<double, 6, 6>;
 
 /// Fraction of the largest squared sliding, of motions of one size, below which a motion slides nowhere: it lifts or
 /// tilts, and works on the pressure.
@@ -36,7 +36,7 @@ std::vector<FrictionLimit> with_images(std::vector<FrictionLimit> points, const 
 }
 
 /// Velocity along the face at a point, of a motion in units of the contact's size.
-Vec3 sliding(const FrictionLimit& point, const Vec3& r, const Motion& motion) {
+Vec3 sliding(const FrictionLimit& point, const Vec3& r, const SlidingMotion& motion) {
   const Vec3 v = motion.head<3>() + motion.tail<3>().cross(r);
   return v - point.normal.dot(v) * point.normal;
 }
@@ -72,7 +72,7 @@ double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& of
   centre /= all;
   for (const FrictionLimit& p : points) size = std::max(size, (p.x - centre).norm());
   if (size == 0) return wrench.force.norm() / all;
-  Motion load;
+  SlidingMotion load;
   load << wrench.force, (wrench.moment - centre.cross(wrench.force)) / size;
 
   // The sum of |v| is the limit of sums of v^2 / |v of the step before|.
@@ -80,16 +80,16 @@ double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& of
   double use = 0;
   for (int step = 0; step < max_weightings; ++step) {
     const double least = min_speed * *std::max_element(speed.begin(), speed.end());
-    Motions resisted = Motions::Zero();
+    SlidingMatrix resisted = SlidingMatrix::Zero();
     for (std::size_t i = 0; i < points.size(); ++i) {
       const FrictionLimit& p = points[i];
       const Vec3 r = (p.x - centre) / size;
       Eigen::Matrix<double, 3, 6> along;
-      for (int k = 0; k < 6; ++k) along.col(k) = sliding(p, r, Motion::Unit(k));
+      for (int k = 0; k < 6; ++k) along.col(k) = sliding(p, r, SlidingMotion::Unit(k));
       resisted += p.force / std::max(speed[i], least) * along.transpose() * along;
     }
     const SymmetricEigen<6> eigen(resisted);
-    Motion motion = Motion::Zero();
+    SlidingMotion motion = SlidingMotion::Zero();
     for (int k = 0; k < 6; ++k)
       if (eigen.eigenvalues()[k] > no_sliding * eigen.eigenvalues()[5])
         motion += eigen.eigenvectors().col(k).dot(load) / eigen.eigenvalues()[k] * eigen.eigenvectors().col(k);
