@@ -6,7 +6,7 @@ import pathlib
 import unittest
 
 import harness
-from harness import cgcontact, contact_rows, report, scene
+from harness import cgcontact, contact_rows, report, scene, settings
 
 QUIET = ["--set", "output.plots=false", "--set", "output.report=false"]
 
@@ -84,34 +84,6 @@ interference = 17e-6
 face = "{face}"
 symmetry = true
 """ for face in ("shaft.o.bottom", "shaft.o.top", "hub.o.bottom", "hub.o.top"))
-
-THIN_RING = """
-axisymmetric = "z"
-[accuracy]
-pressure = "3 %"
-[[body]]
-name = "low"
-rigid = true
-shape = {name = "low", cylinder = {base = [0, 0, -0.004], top = [0, 0, 0], radius = 0.115}}
-[[body]]
-name = "ring"
-material = {E = 6e6, nu = 0.45}
-shape = {name = "ring", torus = {center = [0, 0, 0.0025], axis = [0, 0, 1], ring_radius = 0.1, tube_radius = 0.0025}}
-[[body]]
-name = "up"
-rigid = true
-shape = {name = "up", cylinder = {base = [0, 0, 0.005], top = [0, 0, 0.009], radius = 0.115}}
-[[support]]
-face = "low.low.bottom"
-displacement = {z = 0}
-[[support]]
-face = "up.up.top"
-displacement = {z = -0.25e-3}
-[[contact]]
-faces = ["ring.ring.surface", "low.low.top"]
-[[contact]]
-faces = ["ring.ring.surface", "up.up.bottom"]
-"""
 
 
 class Axisymmetric(unittest.TestCase):
@@ -199,8 +171,8 @@ class Axisymmetric(unittest.TestCase):
         """A soft ring between rigid plates, which nothing else holds: the first grids lose it, finer ones find it. It
         grows by more than its zone is wide: both halves of the zone carry, on both faces, with Hertz's pressure (a/R =
         0.19; the ring yields along its axis, so that it is plane stress on the whole and plane strain in the zone)."""
-        pathlib.Path("ring.toml").write_text(THIN_RING)
-        figures, rows = self.solve("ring.toml")[1:]
+        figures, rows = self.solve(harness.SOURCE / "tests/scenes/o_ring.toml",
+                                   *settings(R=0.1, r=2.5e-3, s=0.05, **{"accuracy.pressure": "3 %"}))[1:]
         self.assertTrue(figures["accuracy"]["reached"])
         for pair in figures["contact"]:
             load = pair["normal_force"] / (2 * math.pi * 0.1)
