@@ -17,6 +17,8 @@ namespace {
 
 /// Fraction of a cell by which triangles may be off the surface.
 constexpr double sag_of_cell = 0.01;
+/// Boundary of pruned cells goes to leaves up to three cells of the level before away: in cells of the level.
+constexpr int pruned_reach = 6;
 /// Largest distance, in sags, from a point found on the surface to the point on the triangle that the search began at.
 constexpr double near_sags = 4;
 /// Nearer to the triangles than this, in sags, the exact surface decides what is inside.
@@ -142,15 +144,23 @@ std::shared_ptr<const BodyGeometry> CadBody::transformed(const Mat3& rotation, c
 /// of its cells were those of the contact zone.
 std::shared_ptr<const BodyGeometry> CadBody::on_level(int level, const CellTree& tree) const {
   const double scale = std::ldexp(1.0, level);
-  // Boundary of pruned cells goes to leaves up to three cells of the level before away; images bulge out of the boxes.
-  const Vec3 margin = Vec3::Constant(3 * 2 / scale + 4 * sag_of_cell);
+  const Vec3 margin = Vec3::Constant(pruned_reach / scale + 4 * sag_of_cell);  // images bulge out of the boxes
   const auto wanted = [&](const Vec3& low, const Vec3& high) {
     return tree.is_refined_in(level - 1, low / scale - margin, high / scale + margin);
   };
   CurvedTriangles moved = surface_->curved.moved({Mat3::Identity(), Vec3::Zero(), scale});
   moved.refine(sag_of_cell, wanted);
-  return std::shared_ptr<const BodyGeometry>(
+  auto body = std::shared_ptr<CadBody>(
       new CadBody(model_, std::make_shared<const CadSurface>(std::move(moved), face_names(model_), wanted)));
+  body->first_cell_ = Index3{max_index, max_index, max_index};
+  body->last_cell_ = Index3{-max_index, -max_index, -max_index};
+  tree.refined(level - 1).each([&](const Index3& divided) {
+    for (int k = 0; k < 3; ++k) {
+      body->first_cell_[k] = std::min(body->first_cell_[k], 2 * divided[k] - pruned_reach);
+      body->last_cell_[k] = std::max(body->last_cell_[k], 2 * divided[k] + 1 + pruned_reach);
+    }
+  });
+  return body;
 }
 
 std::shared_ptr<const BodyGeometry> CadBody::stretched(int, double, double) const {
@@ -220,9 +230,15 @@ double CadBody::signed_distance(const Vec3& x) const {
 
 void CadBody::each_facet_in_cell(const UseFacet& use) const {
   for (int t = 0; t < static_cast<int>(num_facets()); ++t)
-    each_cell_of_triangle(surface_->flat, t, [&](const Index3& cell, const SurfacePolygon& polygon) {
-      use(cell, surface_->flat.patch(t), polygon.x.data(), polygon.n);
-    });
+    each_cell_of_triangle(
+        surface_->flat, t,
+        [&](int axis, const Index3& cell) {
+          const int at = std::max(cell[axis], first_cell_[axis]);
+          return at <= last_cell_[axis] ? at : max_index;
+        },
+        [&](const Index3& cell, const SurfacePolygon& polygon) {
+          use(cell, surface_->flat.patch(t), polygon.x.data(), polygon.n);
+        });
 }
 
 const CadBody* as_cad(const Solid& solid) { return dynamic_cast<const CadBody*>(&solid.geometry()); }

@@ -2,6 +2,7 @@
 /// and where to search on the surface; all measures are those of the surface.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -62,8 +63,12 @@ class CadBody final : public BodyGeometry {
   CadBody(const CadModel& model, std::shared_ptr<const CadSurface> surface);
   void set_surfaces();
 
+  static constexpr int max_index = std::numeric_limits<int>::max();
+
   CadModel model_;
   std::shared_ptr<const CadSurface> surface_;
+  /// Cells that may be leaves of a level, with those around that give them their boundary: all that facets are cut for.
+  Index3 first_cell_{-max_index, -max_index, -max_index}, last_cell_{max_index, max_index, max_index};
 };
 
 /// Returns nullptr for bodies of another kind.
