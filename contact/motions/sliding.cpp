@@ -1,6 +1,7 @@
 #include "contact/motions/sliding.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -9,71 +10,82 @@
 namespace cgcontact {
 namespace {
 
+/// Translation, then rotation about the centre of a contact with lengths over its size.
 using SlidingMotion = Eigen::Matrix<double, 6, 1>;
 using SlidingMatrix = Eigen::Matrix<double, 6, 6>;
+/// Velocity of a point along its face, by motion.
+using AlongFace = Eigen::Matrix<double, 3, 6>;
 
-/// Fraction of the largest squared sliding, of motions of one size, below which a motion slides nowhere: it lifts or
-/// tilts, and works on the pressure.
-constexpr double no_sliding = 1e-3;
-/// Fraction of the largest speed that points count with at least; change of the ratio that ends the iteration; largest
-/// number of steps.
-constexpr double min_speed = 1e-6, settled = 1e-6;
-constexpr int max_weightings = 100;
-/// Points of a ring: motions across the axis and about it work alike on any number above two.
-constexpr int points_of_ring = 8;
+/// Mean squared sliding of a motion of size 1 below which it goes along normals, leaning by less than 30 degrees: it
+/// lifts, tilts or presses, and works on the pressure.
+constexpr double no_sliding = 0.25;
+/// Fraction of the largest speed that points count with at least: far below what a point beside the axis of turning
+/// has.
+constexpr double min_speed = 1e-6;
+/// Change of the ratio, relative, that ends the iteration: a figure of three digits. Largest number of steps: points
+/// that slide with one motion take one, those around an axis within the contact some ten.
+constexpr double settled = 1e-4;
+constexpr int max_weightings = 40;
 
-/// Wrench of a contact and of its image.
-Wrench with_image(const Wrench& w, const SymmetryPlane& plane) {
-  const Vec3 force = plane.turned(w.force), at = 2 * plane.normal.dot(plane.point) * plane.normal;
-  return {w.force + force, w.moment - plane.turned(w.moment) + at.cross(force)};
+/// Projects onto motions that have the contact's symmetry: along planes and about their normals, along an axis and
+/// about it.
+SlidingMatrix symmetric_motions(const ContactSymmetry& symmetry) {
+  Mat3 along = Mat3::Identity(), about = Mat3::Identity();
+  if (symmetry.axis >= 0) along = about = Vec3::Unit(symmetry.axis) * Vec3::Unit(symmetry.axis).transpose();
+  for (const SymmetryPlane& plane : symmetry.planes) {
+    const Mat3 normal = plane.normal * plane.normal.transpose();
+    along -= normal * along;
+    about = normal * about;
+  }
+  SlidingMatrix both = SlidingMatrix::Zero();
+  both.topLeftCorner<3, 3>() = along;
+  both.bottomRightCorner<3, 3>() = about;
+  return both;
 }
 
-std::vector<FrictionLimit> with_images(std::vector<FrictionLimit> points, const SymmetryPlane& plane) {
-  const std::size_t n = points.size();
-  for (std::size_t i = 0; i < n; ++i)
-    points.push_back({plane.image(points[i].x), plane.turned(points[i].normal), points[i].force});
-  return points;
-}
-
-/// Velocity along the face at a point, of a motion in units of the contact's size.
-Vec3 sliding(const FrictionLimit& point, const Vec3& r, const SlidingMotion& motion) {
-  const Vec3 v = motion.head<3>() + motion.tail<3>().cross(r);
-  return v - point.normal.dot(v) * point.normal;
+AlongFace along_face(const FrictionLimit& point, const Vec3& r) {
+  AlongFace velocity;
+  velocity.leftCols<3>().setIdentity();
+  for (int k = 0; k < 3; ++k) velocity.col(3 + k) = Vec3::Unit(k).cross(r);
+  return velocity - point.normal * (point.normal.transpose() * velocity);
 }
 
 }  // namespace
 
-std::vector<FrictionLimit> around_axis(const std::vector<FrictionLimit>& rings, int axis) {
-  std::vector<FrictionLimit> points;
-  for (int k = 0; k < points_of_ring; ++k) {
-    const Mat3 turn = Eigen::AngleAxisd(2 * pi * k / points_of_ring, Vec3::Unit(axis)).toRotationMatrix();
-    for (const FrictionLimit& p : rings) points.push_back({turn * p.x, turn * p.normal, p.force / points_of_ring});
-  }
-  return points;
-}
-
-double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& of_given,
-                       const std::vector<SymmetryPlane>& planes) {
+double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& wrench, const ContactSymmetry& symmetry) {
   std::vector<FrictionLimit> points;
   std::copy_if(given.begin(), given.end(), std::back_inserter(points),
                [](const FrictionLimit& p) { return p.force > 0; });
-  if (points.empty()) return 0;
-  Wrench wrench = of_given;
-  for (const SymmetryPlane& plane : planes) {
-    points = with_images(std::move(points), plane);
-    wrench = with_image(wrench, plane);
-  }
   Vec3 centre = Vec3::Zero();
-  double all = 0, size = 0;
+  double all = 0, square = 0;
   for (const FrictionLimit& p : points) {
     centre += p.force * p.x;
     all += p.force;
   }
+  if (!(all > 0)) return 0;
   centre /= all;
-  for (const FrictionLimit& p : points) size = std::max(size, (p.x - centre).norm());
-  if (size == 0) return wrench.force.norm() / all;
+  for (const FrictionLimit& p : points) square += p.force * (p.x - centre).squaredNorm();
+  if (square == 0) return wrench.force.norm() / all;
+  const double size = std::sqrt(square / all);
   SlidingMotion load;
   load << wrench.force, (wrench.moment - centre.cross(wrench.force)) / size;
+
+  // Coordinates are those of the motions along the faces.
+  const SlidingMatrix symmetric = symmetric_motions(symmetry);
+  std::vector<AlongFace> velocity;
+  SlidingMatrix mean = SlidingMatrix::Zero();
+  for (const FrictionLimit& p : points) {
+    velocity.emplace_back(along_face(p, (p.x - centre) / size) * symmetric);
+    mean += p.force / all * velocity.back().transpose() * velocity.back();
+  }
+  const SymmetricEigen<6> slides(mean);
+  Eigen::Index first = 0;
+  while (first < 6 && slides.eigenvalues()[first] < no_sliding) ++first;
+  if (first == 6) return 0;
+  SlidingMatrix to_motions = SlidingMatrix::Zero();
+  to_motions.rightCols(6 - first) = slides.eigenvectors().rightCols(6 - first);
+  load = to_motions.transpose() * load.eval();
+  for (AlongFace& v : velocity) v = v * to_motions.eval();
 
   // The sum of |v| is the limit of sums of v^2 / |v of the step before|.
   std::vector<double> speed(points.size(), 1.0);
@@ -81,21 +93,13 @@ double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& of
   for (int step = 0; step < max_weightings; ++step) {
     const double least = min_speed * *std::max_element(speed.begin(), speed.end());
     SlidingMatrix resisted = SlidingMatrix::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const FrictionLimit& p = points[i];
-      const Vec3 r = (p.x - centre) / size;
-      Eigen::Matrix<double, 3, 6> along;
-      for (int k = 0; k < 6; ++k) along.col(k) = sliding(p, r, SlidingMotion::Unit(k));
-      resisted += p.force / std::max(speed[i], least) * along.transpose() * along;
-    }
-    const SymmetricEigen<6> eigen(resisted);
-    SlidingMotion motion = SlidingMotion::Zero();
-    for (int k = 0; k < 6; ++k)
-      if (eigen.eigenvalues()[k] > no_sliding * eigen.eigenvalues()[5])
-        motion += eigen.eigenvectors().col(k).dot(load) / eigen.eigenvalues()[k] * eigen.eigenvectors().col(k);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      resisted += points[i].force / std::max(speed[i], least) * velocity[i].transpose() * velocity[i];
+    for (Eigen::Index k = 0; k < first; ++k) resisted(k, k) = 1;  // no motion
+    const SlidingMotion motion = resisted.ldlt().solve(load);
     double dissipated = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      speed[i] = sliding(points[i], (points[i].x - centre) / size, motion).norm();
+      speed[i] = (velocity[i] * motion).norm();
       dissipated += points[i].force * speed[i];
     }
     if (!(dissipated > 0)) return use;

@@ -19,15 +19,17 @@ struct Wrench {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
 };
 
-/// Returns the points of a contact of revolution all around: of rings, of which they are one point each. axis: 0, 1, 2.
-std::vector<FrictionLimit> around_axis(const std::vector<FrictionLimit>& rings, int axis);
+/// What is modelled of a contact that goes on behind planes or around an axis: its motions are symmetric as well.
+struct ContactSymmetry {
+  std::vector<SymmetryPlane> planes;
+  int axis = -1;  ///< of revolution, 0, 1, 2
+};
 
-/// Returns the use of friction: the largest ratio, over all rigid motions, of the work of the wrench to what friction
-/// dissipates when all points slide with the motion. At most 1 where the shear of the wrench is at most mu p, and 1
-/// where all points slide with one motion; above 1 for a wrench that friction cannot carry (kinematic theorem of limit
-/// analysis; Goyal, Ruina and Papadopoulos, Wear 143 (1991) 307, the limit surface). 0 without points. planes: of
-/// symmetry, behind which contact and wrench go on.
+/// Returns the use of friction: the largest ratio, over the rigid motions along the faces, of the work of the wrench to
+/// what friction dissipates when all points slide with the motion. At most 1 where the shear of the wrench is at most
+/// mu p, and 1 where all points slide with one such motion; above 1 for a wrench that friction cannot carry (kinematic
+/// theorem of limit analysis; Goyal, Ruina and Papadopoulos, Wear 143 (1991) 307, the limit surface). 0 without points.
 double use_of_friction(const std::vector<FrictionLimit>& points, const Wrench& wrench,
-                       const std::vector<SymmetryPlane>& planes);
+                       const ContactSymmetry& symmetry = {});
 
 }  // namespace cgcontact

@@ -109,8 +109,7 @@ class FrictionZone {
     std::vector<FrictionLimit> limits;
     for (const Force& f : transmitted_) limits.push_back({f.x, f.normal, pair_.spec->friction * f.size});
     const BodySpec& body = *state_.bodies[pair_.primary].spec;
-    return use_of_friction(body.axisymmetric() ? around_axis(limits, body.axis_of_revolution()) : limits, wrench,
-                           frame_.planes);
+    return use_of_friction(limits, wrench, {frame_.planes, body.axisymmetric() ? body.axis_of_revolution() : -1});
   }
   double num_sectors() const { return std::pow(2.0, static_cast<double>(frame_.planes.size())); }
 

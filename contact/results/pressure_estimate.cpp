@@ -15,7 +15,6 @@
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "core/base/shared_values.hpp"
-#include "core/drawing/drawn_body.hpp"
 #include "recovery/face/symmetry_planes.hpp"
 #include "recovery/patch/boundary_data.hpp"
 #include "recovery/patch/patches.hpp"
@@ -147,6 +146,7 @@ class LocalMean {
 /// Returns the mean displacement of a body without what symmetry takes: across planes, and away from an axis.
 Vec3 mean_displacement(const SolvedState& state, int body, const std::vector<SymmetryPlane>& planes) {
   const CutCells& cut_cells = state.bodies[body].cut_cells;
+  const bool quadtree = cut_cells.grid.is_quadtree(), axisymmetric = cut_cells.grid.is_axisymmetric();
   struct Sum {
     Vec3 moved = Vec3::Zero();
     double volume = 0;
@@ -155,7 +155,8 @@ Vec3 mean_displacement(const SolvedState& state, int body, const std::vector<Sym
   parallel_chunks("cgcontact::pressure_estimate::mean_displacement", cut_cells.cells.size(), grain_of_medium,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                     for (int cell = static_cast<int>(begin); cell < static_cast<int>(end); ++cell) {
-                      const double volume = volume_of_cell(cut_cells, cell);
+                      const double h = cut_cells.h(cell), radius = axisymmetric ? cut_cells.radius(cell) : 1;
+                      const double volume = cut_cells.volume_fraction(cell) * h * h * (quadtree ? radius : h);
                       sums[chunk].moved += volume * displacement(state, body, cell, Vec3::Zero());
                       sums[chunk].volume += volume;
                     }
@@ -190,7 +191,7 @@ class PairEnergies {
   /// rotation, heat or a heavier contact, have errors of their own, of which the force of a contact bears the product
   /// with those of its approach alone (Cauchy and Schwarz): its relative error grows by this ratio.
   double all_over(int pair) const {
-    const double own = own_energy(pair);
+    const double own = state_.pairs[pair].bonded() ? 0 : own_energy(pair);
     return own > 0 ? std::max(1.0, std::sqrt(norm_ / own)) : 1;
   }
 
@@ -205,10 +206,9 @@ class PairEnergies {
   }
 
  private:
-  /// Squared energy norm of a pair's contact, J: the work of its pressure on what the faces come together and of its
-  /// force on what the bodies do, or (fits by temperature) what its force does on faces of its area alone, if that is
-  /// more. A half-space under a force N on an area A yields by N / (E* sqrt(A)), a disc by 0.89 of it (Johnson, Contact
-  /// Mechanics, 3.3).
+  /// Squared energy norm of a pair's contact, J: the work of its tractions on displacements beside the bodies' means,
+  /// or (fits by temperature) what its force does on faces of its area alone, if that is more. A half-space under a
+  /// force N on an area A yields by N / (E* sqrt(A)), a disc by 0.89 of it (Johnson, Contact Mechanics, 3.3).
   double own_energy(int pair) const {
     const ContactPair& p = state_.pairs[pair];
     const PairFigures& figures = results_.pairs[pair];
@@ -217,7 +217,7 @@ class PairEnergies {
       if (row.pair != pair || !row.active || !std::isfinite(row.gap)) continue;
       const double force = row.weight * row.pressure_sprc;
       normal += force;
-      together += force * std::abs(row.gap - row.distance + p.interference);
+      together += force * (row.gap - row.distance + p.interference);
     }
     const BodyModel &a = state_.bodies[p.primary], &b = state_.bodies[p.secondary];
     const std::vector<SymmetryPlane> planes = common_planes(
@@ -227,7 +227,9 @@ class PairEnergies {
     const double whole_area = std::pow(2.0, static_cast<double>(planes.size())) * figures.area;
     const double of_faces =
         figures.area > 0 ? normal * normal / 4 * compliance * std::sqrt(whole_area) / figures.area : 0;
-    return std::max(together / 2 + std::abs(approach.dot(figures.force_on_first)), of_faces);
+    const bool first = p.spec->first.body == p.primary;
+    const Vec3& on_primary = first ? figures.force_on_first : figures.force_on_second;
+    return std::max(std::abs(together / 2 - approach.dot(on_primary)), of_faces);
   }
 
   const SolvedState& state_;
@@ -288,7 +290,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     const double energy_error = std::pow(results.estimated_error_relative, 2) * all_over_own;
     if (touches)
       figures.force_error_estimate =
-          force_error(state, verdict, open, energy_error + all_over_own * energies.work_on_gaps(pair));
+          force_error(state, verdict, open, energy_error + std::pow(all_over_own, 2) * energies.work_on_gaps(pair));
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
     const std::vector<char> away = rows_away_from_contact(rows, pair);

@@ -24,9 +24,11 @@ namespace cgcontact {
 /// it has no estimate. Else its estimate is the square of the relative error of the energy norm (the force is a
 /// functional of the solution, and its error the product of that of the solution and that of a dual problem; under
 /// prescribed displacements alone the two are the same) plus the work of the pressure on the gaps that are left between
-/// closed points, over twice the strain energy. Twice that where the zone ends inside the faces. What holds bodies that
-/// nothing else holds, and forces that do not balance, count as errors of pressure and force as well. Needs the contact
-/// rows with pressure_opposite and pressure_transmitted, the verdict, and estimated_error_relative.
+/// closed points, over twice the strain energy; the first times the norm of the solution over that of the pair's own
+/// contact, the second times its square (loads beside the contact). Twice that where the zone ends inside the faces.
+/// What holds bodies that nothing else holds, and forces that do not balance, count as errors of pressure and force as
+/// well. Needs the contact rows with pressure_opposite and pressure_transmitted, the verdict, and
+/// estimated_error_relative.
 void estimate_contact_errors(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

@@ -275,7 +275,7 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
     const ContactPair& pair = problem_.pairs[k];
     if (pair.num_tangents == 0) continue;
     std::vector<FrictionLimit> limits;
-    Wrench asked;
+    Wrench needed;
     double carried = 0, beyond = 0;
     bool sticks = false;
     for (const ContactGroup& group : pair.groups) {
@@ -287,8 +287,8 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
           force += pair.points.weight(q) * (state.shear(point, i) - mismatch(f, i) / group.area) * along[i];
         for (int i = 0; i < 2; ++i) shear[i] += state.shear(point, i);
         carried += pair.points.weight(q) * bound(point);
-        asked.force += force;
-        asked.moment += pair.points.x(q).cross(force);
+        needed.force += force;
+        needed.moment += pair.points.x(q).cross(force);
         limits.push_back({pair.points.x(q), pair.points.normal(q), pair.points.weight(q) * bound(point)});
         sticks |= bound(point) > 0 && !state.slips(point);
       }
@@ -301,9 +301,9 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
     const bool is_all = residual_ < max_other_residual * pair.friction() * asked_[k];  // of what is out of balance
     if (!is_all || asked_[k] <= little_beyond || std::abs(asked_[k] - before[k]) >= steady * asked_[k]) continue;
     const BodySpec& body = *problem_.bodies[pair.primary].spec;
-    sum_around_axis(body, asked.force, &asked.moment);
-    if (body.axisymmetric()) limits = around_axis(limits, body.axis_of_revolution());
-    const double excess = use_of_friction(limits, asked, planes_[k]) - 1;
+    sum_around_axis(body, needed.force, &needed.moment);
+    const int axis = body.axisymmetric() ? body.axis_of_revolution() : -1;
+    const double excess = use_of_friction(limits, needed, {planes_[k], axis}) - 1;
     if (excess > little_beyond) sliding_[k] = excess;
   }
 }

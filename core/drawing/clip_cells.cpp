@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -86,25 +85,25 @@ double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   return (b - a).cross(c - a).dot(d - a) / 6;
 }
 
-/// Position of a grid node in eighths of a cell.
-std::uint64_t node_key(const Index3& fine) {
-  return (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
-         static_cast<std::uint64_t>(fine[0]);
-}
-Index3 node_of(std::uint64_t key) {
-  constexpr std::uint64_t mask = (1u << 21) - 1;
-  return {static_cast<int>(key & mask), static_cast<int>(key >> 21 & mask), static_cast<int>(key >> 42)};
-}
+struct IndexHash {
+  std::size_t operator()(const Index3& i) const {
+    std::size_t hash = 0;
+    for (int k = 0; k < 3; ++k) hash = hash * 0x9e3779b97f4a7c15ull ^ static_cast<std::size_t>(i[k]);
+    return hash ^ (hash >> 29);
+  }
+};
 
 /// What makes a point: a node of the grid, or an edge between two points that meets a surface.
 struct Origin {
-  std::uint64_t node;  ///< its key, of an edge unused
-  int a, b, surface;   ///< ends of the edge, a: -1 for a node
+  Index3 node;        ///< in eighths of a cell, of an edge unused
+  int a, b, surface;  ///< ends of the edge, a: -1 for a node
 };
 
 /// One level of a body, as all ranges of its cells see it.
 struct Level {
   explicit Level(const CutCells& cut_cells);
+  /// Prepares distances to patches.
+  void find_patches();
 
   const CutCells& cut_cells;
   const BodyGeometry& body;
@@ -129,8 +128,11 @@ Level::Level(const CutCells& c)
     if (surfaces[s].kind == Surface::Kind::patch) subdivision = patch_subdivision;
   }
   while (subdivision < max_subdivision && curvature / (8.0 * subdivision * subdivision) > max_sagitta) subdivision *= 2;
-  if (std::any_of(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.kind == Surface::Kind::patch; }))
-    alone = body.surfaces_alone();
+}
+
+void Level::find_patches() {
+  const auto is_patch = [](const Surface& s) { return s.kind == Surface::Kind::patch; };
+  if (std::any_of(surfaces.begin(), surfaces.end(), is_patch)) alone = body.surfaces_alone();
 }
 
 /// Mesh of a range of cells, with the origin of each point.
@@ -187,7 +189,7 @@ class Clipper {
   /// surface and side.
   std::vector<int> fixed_begin_{0};
   std::vector<std::pair<int, int>> fixed_sides_;
-  std::unordered_map<std::uint64_t, int> nodes_;  ///< points at nodes, by their keys
+  std::unordered_map<Index3, int, IndexHash> nodes_;  ///< points at nodes, in eighths of a cell
   mutable EntriesOfPoints<PatchDistance> patch_distances_;
   EntriesOfPoints<EdgePoint> edge_points_;
   std::vector<PatchDistance> measured_;  ///< of the point in work
@@ -216,7 +218,7 @@ class LevelMesh {
   const CutCells& cut_cells_;
   GridNumbers node_numbers_;
   std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
-  std::unordered_map<std::uint64_t, int> fine_nodes_;
+  std::unordered_map<Index3, int, IndexHash> fine_nodes_;
   EntriesOfPoints<EdgePoint> edge_points_;
   ClippedMesh mesh_;
 };
@@ -244,7 +246,7 @@ int LevelMesh::point_of(const Origin& origin, const std::vector<int>& number, co
     edge_points_.add(a, {b, origin.surface, point});
     return point;
   }
-  const Index3 fine = node_of(origin.node);
+  const Index3& fine = origin.node;
   const bool coarse = (fine[0] | fine[1] | fine[2]) % max_subdivision == 0;
   int& point = coarse ? nodes_[node_numbers_.find(
                             {fine[0] / max_subdivision, fine[1] / max_subdivision, fine[2] / max_subdivision})]
@@ -480,13 +482,13 @@ int Clipper::add_point(const Vec3& x, const Origin& origin) {
 }
 
 int Clipper::node(const Index3& fine) {
-  const std::uint64_t key = node_key(fine);
-  const auto [entry, added] = nodes_.try_emplace(key, -1);
-  if (added) entry->second = add_point(Vec3(fine[0], fine[1], fine[2]) / max_subdivision, {key, -1, -1, -1});
+  const auto [entry, added] = nodes_.try_emplace(fine, -1);
+  if (added) entry->second = add_point(Vec3(fine[0], fine[1], fine[2]) / max_subdivision, {fine, -1, -1, -1});
   return entry->second;
 }
 
-/// Returns whether point a comes before b, by their positions: all ranges of cells agree on it.
+/// Returns whether point a comes before b, by their positions, on which all ranges of cells agree (two points of one
+/// position, of which both lie on all surfaces there, are as they were made).
 bool Clipper::comes_first(int a, int b) const {
   const Vec3 &x = mesh_.points[a], &y = mesh_.points[b];
   for (int k = 2; k >= 0; --k)
@@ -541,7 +543,7 @@ int Clipper::edge_point(int a, int b, int surface) {
     if (is_patch(s)) measured_.push_back({distance, s});
     if (linear_side != side_by_distance(distance)) fixed_sides_.emplace_back(s, linear_side);
   }
-  const int point = add_point(middle, {0, a, b, surface});
+  const int point = add_point(middle, {{}, a, b, surface});
   for (const PatchDistance& measured : measured_) patch_distances_.add(point, measured);
   edge_points_.add(a, {b, surface, point});
   return point;
@@ -670,7 +672,8 @@ void LevelMesh::add_interior_points() {
 
 /// Clips ranges of cells side by side and joins them in order.
 ClippedMesh clip_level(const CutCells& cut_cells) {
-  const Level level(cut_cells);
+  Level level(cut_cells);
+  level.find_patches();
   const std::size_t n = cut_cells.cells.size();
   std::vector<RangeMesh> ranges(num_chunks(n, cells_per_range));
   parallel_chunks(

@@ -42,10 +42,10 @@ Wrench sliding_with(const std::vector<FrictionLimit>& points, const Vec3& v, con
 TEST(UseOfFriction, ForceAndTorqueOfAFlatRing) {
   const auto points = ring(1, 2);
   const double force = pi * (4 - 1), torque = 2 * pi * (8 - 1) / 3;
-  EXPECT_NEAR(use_of_friction(points, {{0.3 * force, 0.4 * force, 0}, Vec3::Zero()}, {}), 0.5, 1e-12);
-  EXPECT_NEAR(use_of_friction(points, {Vec3::Zero(), {0, 0, 0.7 * torque}}, {}), 0.7, 1e-4);  // midpoint rule in r
-  EXPECT_EQ(use_of_friction({}, {{1, 0, 0}, Vec3::Zero()}, {}), 0);
-  EXPECT_EQ(use_of_friction(points, {Vec3::Zero(), Vec3::Zero()}, {}), 0);
+  EXPECT_NEAR(use_of_friction(points, {{0.3 * force, 0.4 * force, 0}, Vec3::Zero()}), 0.5, 1e-12);
+  EXPECT_NEAR(use_of_friction(points, {Vec3::Zero(), {0, 0, 0.7 * torque}}), 0.7, 1e-4);  // midpoint rule in r
+  EXPECT_EQ(use_of_friction({}, {{1, 0, 0}, Vec3::Zero()}), 0);
+  EXPECT_EQ(use_of_friction(points, {Vec3::Zero(), Vec3::Zero()}), 0);
 }
 
 // The wrench of points that all slide with one motion is just carried, wherever its axis lies: exact but for the end of
@@ -54,8 +54,8 @@ TEST(UseOfFriction, IsOneWhereAllSlides) {
   const auto points = ring(1, 2);
   for (const Vec3& v : {Vec3(0, 0, 0), Vec3(0.3, 0, 0), Vec3(1, 1, 0), Vec3(0, 5, 0)}) {
     const Wrench wrench = sliding_with(points, v, {0, 0, 1});
-    EXPECT_NEAR(use_of_friction(points, wrench, {}), 1, 2e-3) << v.transpose();
-    EXPECT_NEAR(use_of_friction(points, {2.5 * wrench.force, 2.5 * wrench.moment}, {}), 2.5, 5e-3);
+    EXPECT_NEAR(use_of_friction(points, wrench), 1, 2e-3) << v.transpose();
+    EXPECT_NEAR(use_of_friction(points, {2.5 * wrench.force, 2.5 * wrench.moment}), 2.5, 5e-3);
   }
 }
 
@@ -70,7 +70,7 @@ TEST(UseOfFriction, IsBelowOneWhereShearIs) {
       wrench.force += force;
       wrench.moment += points[i].x.cross(force);
     }
-    const double use = use_of_friction(points, wrench, {});
+    const double use = use_of_friction(points, wrench);
     EXPECT_LE(use, 1 + 1e-9) << k;
     EXPECT_GE(use, wrench.force.norm() / sum(points) * (1 - 1e-9)) << k;
   }
@@ -83,18 +83,42 @@ TEST(UseOfFriction, ConeAlongItsAxis) {
   for (int i = 0; i < 10; ++i)
     rings.push_back({{1 + 0.1 * i, 0, 0.1 * i / std::tan(angle)}, {std::cos(angle), 0, -std::sin(angle)}, 1 + 0.1 * i});
   const Wrench all{{0, 0, std::cos(angle) * sum(rings)}, Vec3::Zero()};
-  EXPECT_NEAR(use_of_friction(around_axis(rings, 2), all, {}), 1, 1e-9);
+  EXPECT_NEAR(use_of_friction(rings, all, {{}, 2}), 1, 1e-9);
+}
+
+// A round cap that is pressed and slips outwards everywhere: its shear has a resultant along the normals, but the cap
+// slides nowhere as a whole.
+TEST(UseOfFriction, PressedCap) {
+  std::vector<FrictionLimit> points = ring(0, 0.3);
+  Wrench wrench;
+  for (FrictionLimit& p : points) {
+    p.normal = Vec3(p.x[0], p.x[1], 1).normalized();
+    p.x[2] = -0.5 * p.x.squaredNorm();
+    const Vec3 outwards(p.x[0], p.x[1], 0);
+    const Vec3 force = p.force * (outwards - p.normal.dot(outwards) * p.normal).normalized();
+    wrench.force += force;
+    wrench.moment += p.x.cross(force);
+  }
+  EXPECT_GT(std::abs(wrench.force[2]), 0.1 * sum(points));
+  EXPECT_LT(use_of_friction(points, wrench), 1e-6);
+}
+
+// A point far away that carries next to nothing changes next to nothing.
+TEST(UseOfFriction, LightPointFarAway) {
+  auto points = ring(0, 1);
+  const Wrench torque{Vec3::Zero(), {0, 0, 0.9 * 2 * pi / 3}};
+  EXPECT_NEAR(use_of_friction(points, torque), 0.9, 1e-3);
+  points.push_back({{25, 0, 0}, Vec3::UnitZ(), 1e-6 * sum(points)});
+  EXPECT_NEAR(use_of_friction(points, torque), 0.9, 1e-3);
 }
 
 // A quarter of a ring between planes of symmetry, whose force across a plane the other side takes back.
 TEST(UseOfFriction, PlanesOfSymmetry) {
-  const std::vector<SymmetryPlane> planes{{{0, 0, 0}, -Vec3::UnitX()}, {{0, 0, 0}, -Vec3::UnitY()}};
-  const auto quarter = ring(1, 2, pi / 2);
-  EXPECT_NEAR(use_of_friction(quarter, {{1, 1, 0}, Vec3::Zero()}, planes), 0, 1e-12);
-  const std::vector<SymmetryPlane> half{planes[1]};
+  const ContactSymmetry quarter{{{{0, 0, 0}, -Vec3::UnitX()}, {{0, 0, 0}, -Vec3::UnitY()}}};
+  EXPECT_NEAR(use_of_friction(ring(1, 2, pi / 2), {{1, 1, 0}, Vec3::Zero()}, quarter), 0, 1e-12);
+  const ContactSymmetry half{{quarter.planes[1]}};
   const auto part = ring(1, 2, pi);
-  const Wrench push{{0.5 * sum(part), 0.2, 0}, {0, 0, -0.3}};
-  EXPECT_NEAR(use_of_friction(part, push, half), 0.5, 1e-9);
+  EXPECT_NEAR(use_of_friction(part, {{0.5 * sum(part), 0.2, 0}, {0, 0, -0.3}}, half), 0.5, 1e-9);
 }
 
 }  // namespace
