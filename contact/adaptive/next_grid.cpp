@@ -45,8 +45,9 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
     // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).
     const double factor = figures.force_error_estimate && by_energy > 0 ? *figures.force_error_estimate / by_energy : 0;
     if (options.force && factor > 0) allowed = std::min(allowed, std::sqrt(*options.force / factor));
+    const double of_pressure = by_energy > 0 ? std::max(1.0, figures.force_error_of_pressure / by_energy) : 1;
     if (const auto target = options.pressure_of(figures.name))
-      allowed = std::min(allowed, std::sqrt(options.force_fraction * *target));
+      allowed = std::min(allowed, std::sqrt(options.force_fraction * *target / of_pressure));
   }
   auto error = displacement.begin();  // goes with the square of the energy norm's
   for (const NamedTarget& target : options.named)
