@@ -367,7 +367,9 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
     energies_.push_back(cell_energies(results));
   } else {
     figures_.text = fmt::format("solve {} did not converge: {}", figures_.solves.size() + 1, results.diagnosis);
-    may_converge_when_finer_ = state.outer.other_cells_may_help;
+    // After a solution only a contact that coarse cells have lost is worth finer ones.
+    may_converge_when_finer_ =
+        has_solution() ? state.outer.lost_contact && !resolved_ : state.outer.other_cells_may_help;
     search_ = 0;
   }
   solve.unknowns = results.unknowns;
@@ -440,8 +442,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
     }
     const ErrorFigures errors = solve(callbacks);
     const bool converged = figures_.solves.back().converged;
-    // Coarse cells may lose a contact; a solve that fails after zones were resolved is not cured by finer ones.
-    if (!converged && (resolved_ || !may_converge_when_finer_)) break;
+    if (!converged && !may_converge_when_finer_) break;
     if (converged && !errors.finite) {
       figures_.text = "an estimated error is not a number";
       break;

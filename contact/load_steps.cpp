@@ -176,7 +176,7 @@ void LoadSteps::accept() {
   OuterResult& outer = state_.outer;
   if (!fault_.empty()) {
     outer.converged = false;
-    outer.other_cells_may_help = true;
+    outer.other_cells_may_help = outer.lost_contact = true;
     outer.diagnosis = fault_;
   }
   if (fraction == 1 && !state_.scene.steps.empty()) record_step();

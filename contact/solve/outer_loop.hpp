@@ -43,6 +43,7 @@ struct OuterResult {
   std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
   bool other_cells_may_help = false;  ///< it ran out of iterations, or a contact was lost
+  bool lost_contact = false;          ///< a force is left that balances nothing
   /// Stopped because a body drifts along surfaces: to be held (tangential_drift.hpp), and solved again.
   bool drifts = false;
   std::string diagnosis;
