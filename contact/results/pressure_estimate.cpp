@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "contact/model/around_axis.hpp"
+#include "contact/model/indentation.hpp"
 #include "contact/motions/statics.hpp"
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/holding.hpp"
@@ -143,8 +144,8 @@ class LocalMean {
   std::map<double, Surroundings> surroundings_;  ///< by the rows' larger cells: few sizes
 };
 
-/// Returns the mean displacement of a body without what symmetry takes: across planes, and away from an axis.
-Vec3 mean_displacement(const SolvedState& state, int body, const std::vector<SymmetryPlane>& planes) {
+/// Returns the mean displacement of a body.
+Vec3 mean_displacement(const SolvedState& state, int body) {
   const CutCells& cut_cells = state.bodies[body].cut_cells;
   const bool quadtree = cut_cells.grid.is_quadtree(), axisymmetric = cut_cells.grid.is_axisymmetric();
   struct Sum {
@@ -166,15 +167,7 @@ Vec3 mean_displacement(const SolvedState& state, int body, const std::vector<Sym
     all.moved += sum.moved;
     all.volume += sum.volume;
   }
-  Vec3 mean = all.moved / all.volume;
-  for (const SymmetryPlane& plane : planes) mean -= plane.normal.dot(mean) * plane.normal;
-  sum_around_axis(*state.bodies[body].spec, mean);
-  return mean;
-}
-
-/// (1 - nu^2)/E, 1/Pa; 0 of a rigid body.
-double plane_compliance(const Material& material) {
-  return std::isinf(material.youngs_modulus) ? 0 : (1 - std::pow(material.poisson_ratio, 2)) / material.youngs_modulus;
+  return all.moved / all.volume;
 }
 
 /// Squared energy norms of the solution and of what pairs stand for.
@@ -190,7 +183,7 @@ class PairEnergies {
   /// Returns the energy norm of the solution over that of a pair's contact; at least 1. Loads beside the contact, as
   /// rotation, heat or a heavier contact, have errors of their own, of which the force of a contact bears the product
   /// with those of its approach alone (Cauchy and Schwarz): its relative error grows by this ratio.
-  double all_over(int pair) const {
+  double all_over(int pair) {
     const double own = state_.pairs[pair].bonded() ? 0 : own_energy(pair);
     return own > 0 ? std::max(1.0, std::sqrt(norm_ / own)) : 1;
   }
@@ -209,7 +202,7 @@ class PairEnergies {
   /// Squared energy norm of a pair's contact, J: the work of its tractions on displacements beside the bodies' means,
   /// or (fits by temperature) what its force does on faces of its area alone, if that is more. A half-space under a
   /// force N on an area A yields by N / (E* sqrt(A)), a disc by 0.89 of it (Johnson, Contact Mechanics, 3.3).
-  double own_energy(int pair) const {
+  double own_energy(int pair) {
     const ContactPair& p = state_.pairs[pair];
     const PairFigures& figures = results_.pairs[pair];
     double together = 0, normal = 0;  // N m, N, of both faces
@@ -220,21 +213,40 @@ class PairEnergies {
       together += force * (row.gap - row.distance + p.interference);
     }
     const BodyModel &a = state_.bodies[p.primary], &b = state_.bodies[p.secondary];
-    const std::vector<SymmetryPlane> planes = common_planes(
-        symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary), a.cut_cells.grid.cell_size);
-    const Vec3 approach = mean_displacement(state_, p.primary, planes) - mean_displacement(state_, p.secondary, planes);
-    const double compliance = plane_compliance(a.spec->material) + plane_compliance(b.spec->material);
+    const BodyMotion &moves = motion_of(p.primary), &other_moves = motion_of(p.secondary);
+    const std::vector<SymmetryPlane> planes =
+        common_planes(moves.planes, other_moves.planes, a.cut_cells.grid.cell_size);
+    Vec3 approach = moves.mean - other_moves.mean;  // without what symmetry takes: across planes, away from an axis
+    for (const SymmetryPlane& plane : planes) approach -= plane.normal.dot(approach) * plane.normal;
+    sum_around_axis(*a.spec, approach);
+    const double modulus = effective_modulus(a.spec->material, b.spec->material);
     const double whole_area = std::pow(2.0, static_cast<double>(planes.size())) * figures.area;
     const double of_faces =
-        figures.area > 0 ? normal * normal / 4 * compliance * std::sqrt(whole_area) / figures.area : 0;
+        figures.area > 0 ? normal * normal / 4 * std::sqrt(whole_area) / (modulus * figures.area) : 0;
     const bool first = p.spec->first.body == p.primary;
     const Vec3& on_primary = first ? figures.force_on_first : figures.force_on_second;
     return std::max(std::abs(together / 2 - approach.dot(on_primary)), of_faces);
   }
 
+  /// Planes of symmetry of a body, and its mean displacement, m.
+  struct BodyMotion {
+    std::vector<SymmetryPlane> planes;
+    Vec3 mean;
+  };
+  /// Computes them once for all pairs of a body.
+  const BodyMotion& motion_of(int body) {
+    const auto [entry, added] = motions_.try_emplace(body);
+    if (added) {
+      const BodyModel& model = state_.bodies[body];
+      entry->second = {symmetry_planes(model.cut_cells, model.boundary), mean_displacement(state_, body)};
+    }
+    return entry->second;
+  }
+
   const SolvedState& state_;
   const Results& results_;
   double norm_;  ///< J
+  std::map<int, BodyMotion> motions_;
 };
 
 /// Returns the fraction of a pair's force that its equilibrium leaves open: all of it, but where the loads give the
@@ -277,7 +289,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   const std::vector<double> normal = normal_forces(state);
   const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
-  const PairEnergies energies(state, results);
+  PairEnergies energies(state, results);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const int pair = static_cast<int>(p);
     PairFigures& figures = results.pairs[p];

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 
@@ -69,10 +71,12 @@ struct EdgePoint {
   int other_end, surface, point;
 };
 
-struct PointHash {
-  std::size_t operator()(const Vec3& x) const {
+/// Hash of three coordinates, real or whole.
+struct PositionHash {
+  template <class Position>
+  std::size_t operator()(const Position& x) const {
     std::size_t hash = 0;
-    for (int k = 0; k < 3; ++k) hash = hash * 0x9e3779b97f4a7c15ull ^ std::hash<double>()(x[k]);
+    for (int k = 0; k < 3; ++k) hash = hash * 0x9e3779b97f4a7c15ull ^ std::hash<std::decay_t<decltype(x[k])>>()(x[k]);
     return hash ^ (hash >> 29);
   }
 };
@@ -84,14 +88,6 @@ constexpr int face[6][4] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 
 double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return (b - a).cross(c - a).dot(d - a) / 6;
 }
-
-struct IndexHash {
-  std::size_t operator()(const Index3& i) const {
-    std::size_t hash = 0;
-    for (int k = 0; k < 3; ++k) hash = hash * 0x9e3779b97f4a7c15ull ^ static_cast<std::size_t>(i[k]);
-    return hash ^ (hash >> 29);
-  }
-};
 
 /// What makes a point: a node of the grid, or an edge between two points that meets a surface.
 struct Origin {
@@ -189,7 +185,7 @@ class Clipper {
   /// surface and side.
   std::vector<int> fixed_begin_{0};
   std::vector<std::pair<int, int>> fixed_sides_;
-  std::unordered_map<Index3, int, IndexHash> nodes_;  ///< points at nodes, in eighths of a cell
+  std::unordered_map<Index3, int, PositionHash> nodes_;  ///< points at nodes, in eighths of a cell
   mutable EntriesOfPoints<PatchDistance> patch_distances_;
   EntriesOfPoints<EdgePoint> edge_points_;
   std::vector<PatchDistance> measured_;  ///< of the point in work
@@ -218,7 +214,7 @@ class LevelMesh {
   const CutCells& cut_cells_;
   GridNumbers node_numbers_;
   std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
-  std::unordered_map<Index3, int, IndexHash> fine_nodes_;
+  std::unordered_map<Index3, int, PositionHash> fine_nodes_;
   EntriesOfPoints<EdgePoint> edge_points_;
   ClippedMesh mesh_;
 };
@@ -588,7 +584,7 @@ void LevelMesh::add_facets() {
   std::map<std::pair<Index3, int>, int> adopter;  // of the facets of a patch in a cell without volume
   for (const MergedSliver& adoption : cut_cells_.adoptions)
     adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
-  std::unordered_map<Vec3, int, PointHash> number;
+  std::unordered_map<Vec3, int, PositionHash> number;
   std::vector<int> corners;
   level_.body.each_facet_in_cell([&](const Index3& cell, int surface, const Vec3* x, int num_corners) {
     int active = cut_cells_.find(cell);

@@ -49,7 +49,7 @@ TEST(UseOfFriction, ForceAndTorqueOfAFlatRing) {
 }
 
 // The wrench of points that all slide with one motion is just carried, wherever its axis lies: exact but for the end of
-// the iteration (1e-6 a step; points beside the axis of turning converge last).
+// the iteration (1e-4 a step; points beside the axis of turning converge last).
 TEST(UseOfFriction, IsOneWhereAllSlides) {
   const auto points = ring(1, 2);
   for (const Vec3& v : {Vec3(0, 0, 0), Vec3(0.3, 0, 0), Vec3(1, 1, 0), Vec3(0, 5, 0)}) {
