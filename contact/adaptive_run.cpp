@@ -94,6 +94,14 @@ std::optional<double> missing_factor(const AccuracyOptions& options, const Solve
   return largest;
 }
 
+/// Errors of a solve over their targets, seen from the next one: a pressure that changes by more than its estimate was
+/// off by about the change. Infinite: not known.
+double factor_seen_from(const AccuracyOptions& options, const SolveFigures& solve, const SolveFigures& next) {
+  const auto factor = missing_factor(options, solve);
+  if (!factor) return std::numeric_limits<double>::infinity();
+  return options.pressure && next.change ? std::max(*factor, *next.change / *options.pressure) : *factor;
+}
+
 /// s, of some phases of a run.
 double seconds_of_phases(const Results& results, const std::vector<std::string>& names) {
   double sum = 0;
@@ -137,15 +145,14 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
 std::string AdaptiveRun::standstill() const {
   const SolveFigures& last = figures_.solves.back();
   const auto now = missing_factor(given_.accuracy, last);
-  for (std::size_t k = 0; now && k < figures_.solves.size(); ++k) {
+  for (std::size_t k = 0; now && k + 1 < figures_.solves.size(); ++k) {
     const SolveFigures& solve = figures_.solves[k];
-    const auto then = missing_factor(given_.accuracy, solve);
-    if (then && *now >= *then &&
-        static_cast<double>(last.unknowns) >= worth_a_fall * static_cast<double>(solve.unknowns))
+    const double then = factor_seen_from(given_.accuracy, solve, figures_.solves[k + 1]);
+    if (*now >= then && static_cast<double>(last.unknowns) >= worth_a_fall * static_cast<double>(solve.unknowns))
       return fmt::format(
           "the estimated errors no longer fall: {:.2g} times the target in solve {} ({} unknowns), {:.2g} "
           "times in solve {} ({} unknowns)",
-          *then, k + 1, grouped(solve.unknowns), *now, figures_.solves.size(), grouped(last.unknowns));
+          then, k + 1, grouped(solve.unknowns), *now, figures_.solves.size(), grouped(last.unknowns));
   }
   return "";
 }
@@ -292,23 +299,15 @@ bool AdaptiveRun::is_out_of_time() const { return has_solution() && seconds() > 
 void AdaptiveRun::keep(const SolveFigures& solve, const ErrorFigures& errors) {
   const auto now = missing_factor(given_.accuracy, solve);
   const double factor = now.value_or(std::numeric_limits<double>::infinity());
+  const double before = has_solution() ? factor_seen_from(given_.accuracy, figures_.solves[number_], solve) : factor;
   if (best_.simulation) {
     if (factor <= best_.factor) best_ = {};
-  } else if (has_solution() && !errors.met && factor > factor_before(solve)) {
-    best_ = {std::move(scene_), std::move(simulation_), number_, factor_before(solve), energies_.size() - 1};
+  } else if (has_solution() && !errors.met && factor > before) {
+    best_ = {std::move(scene_), std::move(simulation_), number_, before, energies_.size() - 1};
   }
   simulation_ = std::move(next_);
   scene_ = std::move(next_scene_);
   number_ = figures_.solves.size();
-}
-
-/// Errors of the present solve over their targets, seen from the next one: a pressure that changes by more than its
-/// estimate was off by about the change. Infinite: not known.
-double AdaptiveRun::factor_before(const SolveFigures& solve) const {
-  const auto factor = missing_factor(given_.accuracy, figures_.solves[number_]);
-  if (!factor) return std::numeric_limits<double>::infinity();
-  return given_.accuracy.pressure && solve.change ? std::max(*factor, *solve.change / *given_.accuracy.pressure)
-                                                  : *factor;
 }
 
 /// The kept solve becomes the present one again.

@@ -45,7 +45,6 @@ class AdaptiveRun {
   void keep(const SolveFigures& solve, const ErrorFigures& errors);
   void forget_energies();
   void take_best();
-  double factor_before(const SolveFigures& solve) const;
   bool is_out_of_time() const;
   double allowed_unknowns() const;
   double seconds_of_cells(double unknowns) const;

@@ -38,9 +38,6 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
 constexpr double cover = 0.1;
 /// By which the details of the far field may be shorter as well, for the estimate (docs/recovery.md, "Error figures").
 constexpr double other_details = 1.15;
-/// Change of the gap's curvature around a patch, over that of a radius of one cell, from which on nothing that varies
-/// within a cell is trusted (docs/recovery.md, "Error figures").
-constexpr double trusted_change = 0.125;
 
 /// Sums of what patches share of each group, patches, each with what it counts.
 std::vector<double> sizes_of_groups(const FaceZone& zone) {
@@ -156,8 +153,9 @@ std::vector<double> changes_of_curvature(const FaceZone& zone) {
   return changes;
 }
 
-/// Returns the difference of the pressure from its mean over a cell, Pa, at the patches: it is the half-spaces' alone,
-/// and a body whose face goes over into another one is none.
+/// Returns the difference of the pressure from its mean over a cell, Pa, at the patches, times how much narrower than a
+/// cell is what a change of the gap's curvature k makes of it, about p / (E* k): the cells, which give the far field,
+/// do not see it, nor whether the body is a half-space there.
 std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   std::vector<double> pressure(square.size());
@@ -174,7 +172,7 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
   }
   std::vector<double> error = changes_of_curvature(zone);
   for (std::size_t n = 0; n < error.size(); ++n)
-    error[n] = std::min(error[n] / trusted_change, 1.0) * std::abs(pressure[n] - mean[n]);
+    error[n] = std::min(error[n] * zone.modulus, mean[n]) * std::abs(pressure[n] / std::max(mean[n], 1e-300) - 1);
   return error;
 }
 
