@@ -9,6 +9,7 @@
 #include "contact/results/friction_capacity.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/open_force.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/postprocess.hpp"
 #include "contact/solve/tangential_drift.hpp"
@@ -214,8 +215,20 @@ void LoadSteps::record_step() {
 void LoadSteps::end() {
   warn_of_divided_steps();
   warn_of_solver();
+  solve_approaches();
   state_.outer.converged = first_failure_.empty();
   state_.outer.diagnosis = first_failure_;
+}
+
+void LoadSteps::solve_approaches() {
+  state_.approaches.clear();
+  if (!state_.outer.converged) return;
+  const std::vector<OpenForce> forces = open_forces(state_, pair_figures(state_, {}));
+  for (int k = 0; k < static_cast<int>(forces.size()); ++k) {
+    if (forces[k].fraction == 0 || state_.pairs[k].bonded()) continue;
+    Approach approach = solver_->approach(k);
+    if (approach.u.size() > 0) state_.approaches.push_back(std::move(approach));
+  }
 }
 
 void LoadSteps::warn_of_divided_steps() {

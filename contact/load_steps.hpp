@@ -55,6 +55,7 @@ class LoadSteps {
   void accept();
   void record_step();
   void end();
+  void solve_approaches();
   void warn_of_divided_steps();
   void warn_of_solver();
 

@@ -7,6 +7,7 @@
 
 #include "contact/results/face_problems.hpp"
 #include "recovery/constrained/divergence.hpp"
+#include "recovery/error/error_estimate.hpp"
 
 namespace cgcontact {
 namespace {
@@ -20,14 +21,14 @@ void update_links(SolvedState& state) {
 
 /// Makes the field of a body, without values. Interior patches follow from the displacements by themselves, unless they
 /// are to have polynomials of degree 2.
-RecoveredField empty_field(const SolvedState& state, std::size_t body) {
+RecoveredField empty_field(const SolvedState& state, std::size_t body, const RealView& u) {
   const RecoveryOptions& options = state.scene.recovery;
   const BodyMesh& mesh = state.system.meshes[body];
   const bool interior_apart = !options.spr_c || options.degree.interior == 1;
   RecoveredField field;
   if (interior_apart && !mesh.rigid) {
     field.nodes = nodes_beside_interior(mesh, state.bodies[body].boundary.links_of_cell);
-    field.interior = std::make_shared<InteriorFit>(mesh, state.outer.u, false);
+    field.interior = std::make_shared<InteriorFit>(mesh, u, false);
   } else {
     field.nodes = Subset(mesh.num_nodes);
   }
@@ -39,7 +40,7 @@ RecoveredField empty_field(const SolvedState& state, std::size_t body) {
 /// Recovers the stress of a body by plain SPR over the patches, which it makes.
 void recover_plain(SolvedState& state, std::size_t body, PatchSet& patches, std::vector<std::string>& warnings) {
   const BodyMesh& mesh = state.system.meshes[body];
-  const RecoveredField field = empty_field(state, body);
+  const RecoveredField field = empty_field(state, body, state.outer.u);
   patches = make_patches(mesh, state.scene.recovery.patch_volume, field.nodes);
   if (mesh.rigid) Kokkos::deep_copy(field.values, 0.0);
   const int singular = mesh.rigid ? 0 : recover_all(mesh, patches, state.outer.u, field);
@@ -49,6 +50,20 @@ void recover_plain(SolvedState& state, std::size_t body, PatchSet& patches, std:
   state.spr.push_back(
       restricted_field(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(body), mesh)));
   state.sprc.push_back(field);
+}
+
+/// Estimates the errors of the approaches of pairs in a body, by plain SPR over the patches.
+void estimate_approaches(SolvedState& state, std::size_t body, const PatchSet& patches) {
+  const BodyMesh& mesh = state.system.meshes[body];
+  for (Approach& approach : state.approaches) {
+    std::vector<double> errors(mesh.cell_nodes.size(), 0.0);
+    if (!mesh.rigid) {
+      const RecoveredField field = empty_field(state, body, approach.u);
+      recover_all(mesh, patches, approach.u, field);
+      errors = estimate_error(mesh, state.scales, field, approach.u, {}).error_of_cell;
+    }
+    approach.error_of_cell.push_back(std::move(errors));
+  }
 }
 
 /// Solves the problems on the contact faces.
@@ -92,7 +107,11 @@ std::vector<std::string> recover_stresses(const ExecSpace& exec, SolvedState& st
   update_links(state);
   std::vector<std::string> warnings;
   std::vector<PatchSet> patches(state.bodies.size());
-  for (std::size_t b = 0; b < state.bodies.size(); ++b) recover_plain(state, b, patches[b], warnings);
+  for (Approach& approach : state.approaches) approach.error_of_cell.clear();
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    recover_plain(state, b, patches[b], warnings);
+    estimate_approaches(state, b, patches[b]);
+  }
   const RecoveryOptions& options = state.scene.recovery;
   if (!options.spr_c) return warnings;
   const bool on_face = options.pressure == PressureSource::face;

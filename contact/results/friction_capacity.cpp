@@ -206,13 +206,10 @@ std::optional<double> error_of_force(const SolvedState& state, const Results& re
   if (k >= results.verdict.pairs.size() || !figures.force_error_estimate) return {};
   const Verdict::Pair& verdict = results.verdict.pairs[k];
   if (verdict.closed_state() == Verdict::State::not_resolved) return {};
-  if (state.pairs[k].spec->preload && state.scene.steps.size() < 2) return *figures.force_error_estimate;
-  if (figures.force_given_by_loads) {
-    const double turned = std::max(0.0, 1 - figures.force_on_first.norm() / force);
-    return std::max(*figures.force_error_estimate, turned * figures.pressure_error_estimate);
-  }
-  const double edge = verdict.cells_across ? state.scene.results.edge_factor : 1;
-  return std::max(*figures.force_error_estimate, edge * std::pow(results.estimated_error_relative, 2));
+  const bool tightened = state.pairs[k].spec->preload && state.scene.steps.size() < 2;
+  if (tightened || !figures.force_given_by_loads) return figures.force_error_estimate;
+  const double turned = std::max(0.0, 1 - figures.force_on_first.norm() / force);
+  return std::max(*figures.force_error_estimate, turned * figures.pressure_error_estimate);
 }
 
 /// Distance of the recovered shear from the transmitted one, relative; `pushed_ball`: 1.05 to 1.3 times the error

@@ -6,17 +6,14 @@
 #include <map>
 #include <tuple>
 
-#include "contact/model/around_axis.hpp"
-#include "contact/model/indentation.hpp"
-#include "contact/motions/statics.hpp"
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/holding.hpp"
+#include "contact/results/open_force.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/verdict.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "core/base/shared_values.hpp"
-#include "recovery/face/symmetry_planes.hpp"
 #include "recovery/patch/boundary_data.hpp"
 #include "recovery/patch/patches.hpp"
 
@@ -144,127 +141,25 @@ class LocalMean {
   std::map<double, Surroundings> surroundings_;  ///< by the rows' larger cells: few sizes
 };
 
-/// Returns the mean displacement of a body.
-Vec3 mean_displacement(const SolvedState& state, int body) {
-  const CutCells& cut_cells = state.bodies[body].cut_cells;
-  const bool quadtree = cut_cells.grid.is_quadtree(), axisymmetric = cut_cells.grid.is_axisymmetric();
-  struct Sum {
-    Vec3 moved = Vec3::Zero();
-    double volume = 0;
-  };
-  std::vector<Sum> sums(num_chunks(cut_cells.cells.size(), grain_of_medium));
-  parallel_chunks("cgcontact::pressure_estimate::mean_displacement", cut_cells.cells.size(), grain_of_medium,
-                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    for (int cell = static_cast<int>(begin); cell < static_cast<int>(end); ++cell) {
-                      const double h = cut_cells.h(cell), radius = axisymmetric ? cut_cells.radius(cell) : 1;
-                      const double volume = cut_cells.volume_fraction(cell) * h * h * (quadtree ? radius : h);
-                      sums[chunk].moved += volume * displacement(state, body, cell, Vec3::Zero());
-                      sums[chunk].volume += volume;
-                    }
-                  });
-  Sum all;
-  for (const Sum& sum : sums) {
-    all.moved += sum.moved;
-    all.volume += sum.volume;
-  }
-  return all.moved / all.volume;
-}
-
-/// Squared energy norms of the solution and of what pairs stand for.
-class PairEnergies {
- public:
-  PairEnergies(const SolvedState& state, const Results& results)
-      : state_(state),
-        results_(results),
-        norm_(results.estimated_error_relative > 0
-                  ? std::pow(results.estimated_error / results.estimated_error_relative, 2)
-                  : 0) {}
-
-  /// Returns the energy norm of the solution over that of a pair's contact; at least 1. Loads beside the contact, as
-  /// rotation, heat or a heavier contact, have errors of their own, of which the force of a contact bears the product
-  /// with those of its approach alone (Cauchy and Schwarz): its relative error grows by this ratio.
-  double all_over(int pair) {
-    const double own = state_.pairs[pair].bonded() ? 0 : own_energy(pair);
-    return own > 0 ? std::max(1.0, std::sqrt(norm_ / own)) : 1;
-  }
-
-  /// Returns the work of a pair's pressure on the gaps that are left between closed points, over the squared energy
-  /// norm: contact holds in the mean over cells only, and the energy does not know what it leaves.
-  double work_on_gaps(int pair) const {
-    double work = 0;  // J, of both faces
-    for (const ContactRow& row : results_.contact_rows)
-      if (row.pair == pair && row.active && std::isfinite(row.gap))
-        work += row.weight * std::abs(row.pressure_sprc * row.gap);
-    return norm_ > 0 ? work / 2 / norm_ : 0;
-  }
-
- private:
-  /// Squared energy norm of a pair's contact, J: the work of its tractions on displacements beside the bodies' means,
-  /// or (fits by temperature) what its force does on faces of its area alone, if that is more. A half-space under a
-  /// force N on an area A yields by N / (E* sqrt(A)), a disc by 0.89 of it (Johnson, Contact Mechanics, 3.3).
-  double own_energy(int pair) {
-    const ContactPair& p = state_.pairs[pair];
-    const PairFigures& figures = results_.pairs[pair];
-    double together = 0, normal = 0;  // N m, N, of both faces
-    for (const ContactRow& row : results_.contact_rows) {
-      if (row.pair != pair || !row.active || !std::isfinite(row.gap)) continue;
-      const double force = row.weight * row.pressure_sprc;
-      normal += force;
-      together += force * (row.gap - row.distance + p.interference);
-    }
-    const BodyModel &a = state_.bodies[p.primary], &b = state_.bodies[p.secondary];
-    const BodyMotion &moves = motion_of(p.primary), &other_moves = motion_of(p.secondary);
-    const std::vector<SymmetryPlane> planes =
-        common_planes(moves.planes, other_moves.planes, a.cut_cells.grid.cell_size);
-    Vec3 approach = moves.mean - other_moves.mean;  // without what symmetry takes: across planes, away from an axis
-    for (const SymmetryPlane& plane : planes) approach -= plane.normal.dot(approach) * plane.normal;
-    sum_around_axis(*a.spec, approach);
-    const double modulus = effective_modulus(a.spec->material, b.spec->material);
-    const double whole_area = std::pow(2.0, static_cast<double>(planes.size())) * figures.area;
-    const double of_faces =
-        figures.area > 0 ? normal * normal / 4 * std::sqrt(whole_area) / (modulus * figures.area) : 0;
-    const bool first = p.spec->first.body == p.primary;
-    const Vec3& on_primary = first ? figures.force_on_first : figures.force_on_second;
-    return std::max(std::abs(together / 2 - approach.dot(on_primary)), of_faces);
-  }
-
-  /// Planes of symmetry of a body, and its mean displacement, m.
-  struct BodyMotion {
-    std::vector<SymmetryPlane> planes;
-    Vec3 mean;
-  };
-  /// Computes them once for all pairs of a body.
-  const BodyMotion& motion_of(int body) {
-    const auto [entry, added] = motions_.try_emplace(body);
-    if (added) {
-      const BodyModel& model = state_.bodies[body];
-      entry->second = {symmetry_planes(model.cut_cells, model.boundary), mean_displacement(state_, body)};
-    }
-    return entry->second;
-  }
-
-  const SolvedState& state_;
-  const Results& results_;
-  double norm_;  ///< J
-  std::map<int, BodyMotion> motions_;
-};
-
-/// Returns the fraction of a pair's force that its equilibrium leaves open: all of it, but where the loads give the
-/// resultant what balances itself, as around a shaft. normal: sum of what its points press, N.
-double open_fraction(const SolvedState& state, int pair, double normal, const PairFigures& figures) {
-  if (state.pairs[pair].spec->preload && state.scene.steps.size() < 2) return 0;  // tightened to it
-  const double force = figures.force_on_first.norm();
-  if (force > 0 && !figures.force_given_by_loads) return 1;
-  const double balanced = normal > 0 && !state.pairs[pair].bonded() ? 1 - force / normal : 0;
-  return balanced > relevant_force_fraction ? balanced : 0;
-}
-
-/// Estimate of a pair's force, relative; none where the zone is not resolved.
-std::optional<double> force_error(const SolvedState& state, const Verdict::Pair& verdict, double open_fraction,
-                                  double energy_error) {
-  if (open_fraction == 0) return 0;
-  if (verdict.closed_state() == Verdict::State::not_resolved) return std::nullopt;
-  return (verdict.cells_across ? state.scene.results.edge_factor : 1) * open_fraction * energy_error;
+/// Returns the estimated error of a pair's force for that force; nothing where it has no approach. The error is the
+/// energy product of the errors of both solutions (Gonzalez-Estrada, Nadal, Rodenas et al., Comput. Mech. 53 (2014)
+/// 957), at most the sum over cells of the products of their norms, and
+/// the work of the approach's pressure, taken to be like the solution's, on the gaps that are left between closed
+/// points: contact holds in the mean over cells only.
+std::optional<double> error_by_approach(const SolvedState& state, const Results& results, int pair, double normal) {
+  const auto found = std::find_if(state.approaches.begin(), state.approaches.end(),
+                                  [&](const Approach& approach) { return approach.pair == pair; });
+  if (found == state.approaches.end() || !(normal > 0)) return std::nullopt;
+  double sum = 0;  // J
+  const double unit = state.scales.stress * std::pow(state.scales.length, 3);
+  for (std::size_t b = 0; b < results.bodies.size(); ++b)
+    for (std::size_t c = 0; c < results.bodies[b].error_of_cell.size(); ++c)
+      sum += results.bodies[b].error_of_cell[c] * std::sqrt(std::max(found->error_of_cell[b][c], 0.0) * unit);
+  double work = 0;  // J, of both faces
+  for (const ContactRow& row : results.contact_rows)
+    if (row.pair == pair && row.active && std::isfinite(row.gap))
+      work += row.weight * std::abs(row.pressure_sprc * row.gap);
+  return sum / state.scales.length / normal + work / 2 * found->stiffness / (normal * normal);
 }
 
 /// Errors of the rows whose pressure is that of the stress, Pa; 0 at others.
@@ -288,21 +183,18 @@ void estimate_from_stress(const SolvedState& state, int pair, double energy_erro
 void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   const std::vector<double> normal = normal_forces(state);
-  const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
-  PairEnergies energies(state, results);
+  const std::vector<OpenForce> open_force = open_forces(state, results.pairs);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const int pair = static_cast<int>(p);
     PairFigures& figures = results.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const bool touches = figures.active_points > 0;
-    const Vec3& force = figures.force_on_first;
-    figures.force_given_by_loads = touches && force.norm() > 0 && statics.loads_give(pair, force.normalized());
-    const double open = open_fraction(state, pair, normal[p], figures);
-    const double all_over_own = touches && open > 0 ? energies.all_over(pair) : 1;
-    const double energy_error = std::pow(results.estimated_error_relative, 2) * all_over_own;
-    if (touches)
-      figures.force_error_estimate =
-          force_error(state, verdict, open, energy_error + std::pow(all_over_own, 2) * energies.work_on_gaps(pair));
+    const double open = open_force[p].fraction;
+    figures.force_given_by_loads = open_force[p].given_by_loads;
+    const double energy_error =
+        error_by_approach(state, results, pair, normal[p]).value_or(std::pow(results.estimated_error_relative, 2));
+    if (touches && (open == 0 || verdict.closed_state() != Verdict::State::not_resolved))
+      figures.force_error_estimate = open * energy_error;
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
     const std::vector<char> away = rows_away_from_contact(rows, pair);

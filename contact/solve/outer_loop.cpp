@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "contact/model/contact_system.hpp"
@@ -44,6 +45,8 @@ constexpr double sticks_until = 0.1;
 constexpr int longest = 4;
 constexpr std::size_t falls_in = 5;
 constexpr double falls_to = 0.8;
+/// Relative error of what an estimate is made of.
+constexpr double approach_tolerance = 1e-2;
 
 }  // namespace
 
@@ -70,6 +73,7 @@ struct ContactSolver::Impl {
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
   void set_forces(OuterResult& result) const;
   void end_step();
+  Approach approach(int pair);
 
   const SolverOptions& settings() const { return problem_.scene.solver; }
 
@@ -338,6 +342,33 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   return true;
 }
 
+/// The force in the right-hand side exceeds that of the solution by orders: how accurate it is to be is known
+/// afterwards.
+Approach ContactSolver::Impl::approach(int pair) {
+  std::vector<double> stiffness = now_.group_stiffness();
+  std::size_t first = 0;
+  for (int k = 0; k < pair; ++k) first += problem_.pairs[k].groups.size();
+  const std::size_t last = first + problem_.pairs[pair].groups.size();
+  std::vector<double> force = stiffness;
+  for (std::size_t g = 0; g < force.size(); ++g)
+    if (g < first || g >= last) force[g] = 0;
+  const RealView x("cgcontact::outer_loop::approach", now_.u.size());
+  for (double tolerance = approach_tolerance * right_hand_side_.assemble_groups(force);;) {
+    const LinearSolveResult solve =
+        solver_.solve(right_hand_side_.vector(), x, tolerance, settings().max_linear_iterations);
+    if (!(solve.residual <= tolerance)) return {pair, RealView(), 0, {}};
+    std::vector<double> left = to_host(now_.gap_change_of(x));  // m
+    for (std::size_t g = 0; g < left.size(); ++g) left[g] = force[g] - stiffness[g] * left[g] / problem_.scales.length;
+    const double wanted = approach_tolerance * right_hand_side_.assemble_groups(left);
+    if (tolerance <= wanted) {
+      const double sum = std::accumulate(left.begin() + first, left.begin() + last, 0.0);
+      return {pair, x, sum * now_.force_unit() / problem_.scales.length, {}};
+    }
+    tolerance = wanted;
+    right_hand_side_.assemble_groups(force);
+  }
+}
+
 /// Last linear solve with the final state, so that the forces are in equilibrium to the linear tolerance.
 void ContactSolver::Impl::polish(OuterResult& result) {
   assemble();
@@ -390,6 +421,8 @@ ContactSolver::ContactSolver(const OuterProblem& problem, const SolvedState* ear
 ContactSolver::~ContactSolver() = default;
 
 void ContactSolver::end_step() { impl_->end_step(); }
+
+Approach ContactSolver::approach(int pair) { return impl_->approach(pair); }
 
 void ContactSolver::warm_start_from(const ContactSolver& other) { impl_->warm_start_from(*other.impl_); }
 

@@ -49,6 +49,16 @@ struct OuterResult {
   std::string diagnosis;
 };
 
+/// What the bodies do when a pair's faces approach each other by Scales::length without loads, closed points as they
+/// are: its force is wrong by products of this solution's errors and the other one's. Nothing is lagged: the contact's
+/// stiffness kappa E/h gives way a little.
+struct Approach {
+  int pair = 0;
+  RealView u;            ///< less rigid motions, Scales::length; empty: the linear solver failed
+  double stiffness = 0;  ///< force of the pair over the approach, N/m
+  std::vector<std::vector<double>> error_of_cell;  ///< estimates by body and active cell (EnergySums)
+};
+
 struct SolvedState;
 
 /// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs
@@ -61,6 +71,8 @@ class ContactSolver {
   /// Starts from where a solver stopped that found a body to drift (`drifts`); from nothing, if it was far off.
   void warm_start_from(const ContactSolver& other);
   OuterResult solve(const std::function<void(const OuterStep&)>& progress);
+  /// Solves for the approach of a pair's faces, after a solution; without estimates.
+  Approach approach(int pair);
   /// Ends a load step: from now on points stick where friction has let them slip to.
   void end_step();
 

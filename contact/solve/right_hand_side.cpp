@@ -74,4 +74,17 @@ void RightHandSide::assemble(const Iterate& iterate) {
   exec_.fence();
 }
 
+double RightHandSide::assemble_groups(const std::vector<double>& forces) {
+  const RealView amounts("cgcontact::right_hand_side::groups", forces.size());
+  const auto host = Kokkos::create_mirror_view(amounts);
+  for (std::size_t g = 0; g < forces.size(); ++g) host(g) = forces[g];
+  Kokkos::deep_copy(amounts, host);
+  Kokkos::deep_copy(vector_, 0.0);
+  Kokkos::deep_copy(force_, 0.0);
+  add_contact_forces(exec_, touched_, amounts, force_);
+  put_at_nodes(exec_, touched_, force_, vector_);
+  exec_.fence();
+  return std::sqrt(dot(exec_, force_, force_));
+}
+
 }  // namespace cgcontact

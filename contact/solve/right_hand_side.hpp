@@ -17,6 +17,9 @@ class RightHandSide {
   /// Assembles the terms of supports and contact in the present state.
   void assemble(const Iterate& iterate);
 
+  /// Assembles forces of the groups (system units) alone, for which the loads are lost; returns their norm.
+  double assemble_groups(const std::vector<double>& forces);
+
   const RealView& vector() const { return vector_; }
   /// Returns the scale of the linear tolerance: the norm of the real forces.
   double force_norm() const { return force_norm_; }

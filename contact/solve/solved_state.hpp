@@ -23,6 +23,7 @@ struct SolvedState {
   std::vector<SupportPoint> supports;
   ElasticSystem system;
   OuterResult outer;                 ///< displacements, forces, iterations
+  std::vector<Approach> approaches;  ///< of pairs whose force depends on how stiff the bodies are
   std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown
   std::vector<RecoveredField> sprc;  ///< by body: everywhere (SPR where the scene does not want SPR-C)
   FacePressures faces;               ///< zones whose pressure was solved for on the face

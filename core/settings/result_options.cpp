@@ -45,8 +45,6 @@ std::vector<Setting> ResultOptions::settings() {
       method_constant("spoilt_at_edge", spoilt_at_edge,
                       "distance from the border of closed points within which the transmitted pressure is spoilt",
                       Range::not_negative("cells")),
-      method_constant("edge_factor", edge_factor,
-                      "largest ratio of the force's error to the square of the energy norm's", Range::not_negative()),
       method_constant("largest_jump", largest_jump,
                       "fraction of the largest pressure by which the pressure may leave that of its surroundings",
                       Range::fraction())};

@@ -42,9 +42,6 @@ struct ResultOptions {
   /// Distance from the border between closed and open points, cells, within which whole groups spoil the transmitted
   /// pressure, and no polynomial follows its end.
   double spoilt_at_edge = 1.5;
-  /// Largest ratio of the force's error to the square of the energy norm's, where a zone ends inside the faces: its
-  /// ends lie at whole contact groups there.
-  double edge_factor = 2;
   /// Fraction of the largest pressure by which the recovered pressure may leave the range of the others around it
   /// (docs/recovery.md, "Error figures": 0.044 at most in contacts that are right).
   double largest_jump = 0.1;
