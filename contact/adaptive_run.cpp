@@ -303,7 +303,7 @@ void AdaptiveRun::keep(const SolveFigures& solve, const ErrorFigures& errors) {
   if (best_.simulation) {
     if (factor <= best_.factor) best_ = {};
   } else if (has_solution() && !errors.met && factor > before) {
-    best_ = {std::move(scene_), std::move(simulation_), number_, before, energies_.size() - 1};
+    best_ = {std::move(scene_), std::move(simulation_), number_, before};
   }
   simulation_ = std::move(next_);
   scene_ = std::move(next_scene_);
@@ -315,20 +315,19 @@ void AdaptiveRun::take_best() {
   if (!best_.simulation) return;
   simulation_ = std::move(best_.simulation);
   scene_ = std::move(best_.scene);
-  if (best_.energies.empty())
-    energies_.resize(best_.num_energies);
-  else
-    energies_ = std::move(best_.energies);
   number_ = best_.number;
 }
 
-/// Those of solves whose zones are resolved begin anew.
-void AdaptiveRun::forget_energies() {
-  if (best_.simulation && best_.energies.empty()) {
-    best_.energies = std::move(energies_);
-    best_.energies.resize(best_.num_energies);
+/// Collects those of the present solve and of the ones before it since zones are resolved: until then the stress of a
+/// zone grows like 1/h.
+std::vector<std::vector<CellEnergies>> AdaptiveRun::energies() const {
+  std::vector<std::vector<CellEnergies>> series;
+  for (const SolveEnergies& solve : energies_) {
+    if (solve.number > number_) break;
+    if (solve.begins) series.clear();
+    series.push_back(solve.of_bodies);
   }
-  energies_.clear();
+  return series;
 }
 
 /// Solves on the next grid and estimates its errors. It becomes the present one, unless only that has a solution.
@@ -361,9 +360,8 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
     for (const double e : displacement_errors_)
       results.displacement_error_estimate = std::max(results.displacement_error_estimate, e);
     errors = error_figures(*next_scene_, zones_, results, displacement_errors_);
-    if (!resolved_) forget_energies();  // the stress of a zone grows like 1/h until it is resolved
+    energies_.push_back({figures_.solves.size(), !resolved_, cell_energies(results)});
     resolved_ = errors.pressure.has_value() || zones_.empty();
-    energies_.push_back(cell_energies(results));
   } else {
     figures_.text = fmt::format("solve {} did not converge: {}", figures_.solves.size() + 1, results.diagnosis);
     // After a solution only a contact that coarse cells have lost is worth finer ones.
@@ -421,7 +419,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   own -= seconds() - all;
   if (figures_.solves.size() > 1 || all - own > told_fraction * all)
     results.times_s.insert(results.times_s.begin(), {"other solves", std::max(0.0, all - own)});
-  if (results.converged) results.singular_points = singular_points(simulation_->state, energies_);
+  if (results.converged) results.singular_points = singular_points(simulation_->state, energies());
   if (!results.singular_points.empty()) estimate_peak_errors(results);  // none at a singular position
   for (const SingularPoint& point : results.singular_points) results.warnings.push_back(describe(point));
   results.accuracy = figures_;

@@ -43,8 +43,8 @@ class AdaptiveRun {
   void refine(const AdaptiveCallbacks& callbacks);
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   void keep(const SolveFigures& solve, const ErrorFigures& errors);
-  void forget_energies();
   void take_best();
+  std::vector<std::vector<CellEnergies>> energies() const;
   bool is_out_of_time() const;
   double allowed_unknowns() const;
   double seconds_of_cells(double unknowns) const;
@@ -61,9 +61,14 @@ class AdaptiveRun {
     std::unique_ptr<Scene> scene;
     std::unique_ptr<Simulation> simulation;
     std::size_t number = 0;
-    double factor = 0;             ///< its errors over their targets
-    std::size_t num_energies = 0;  ///< number of energies_ up to it; once those are gone:
-    std::vector<std::vector<CellEnergies>> energies = {};
+    double factor = 0;  ///< its errors over their targets
+  };
+
+  /// Energies of a solve that converged.
+  struct SolveEnergies {
+    std::size_t number = 0;
+    bool begins = false;  ///< zones were not resolved before
+    std::vector<CellEnergies> of_bodies;
   };
 
   const Scene& given_;
@@ -74,18 +79,18 @@ class AdaptiveRun {
   Kept best_;               // simulation: none, the present one is better
   AccuracyFigures figures_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::vector<ZoneState> zones_;                     // of the last solve
-  std::vector<std::vector<CellEnergies>> energies_;  // of the solves since the zones are resolved
-  DisplacementState displacements_;                  // of the last solve that converged
-  std::vector<double> displacement_errors_;          // of the last solve that converged
-  bool resolved_ = false;                            // all zones are
-  bool may_converge_when_finer_ = false;             // the last solve, if it has not
-  std::string refused_;                              // why a next grid could not be made
-  double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns
-  double begin_ = 0;        // s, when the last solve had ended
-  double own_ = 0;          // s, of the last solve and its own grid; others may have been tried before
-  const char* limit_ = "";  // that binds the next grid
-  double needed_ = 0;       // unknowns of the grid that the targets ask for
+  std::vector<ZoneState> zones_;  // of the last solve
+  std::vector<SolveEnergies> energies_;
+  DisplacementState displacements_;          // of the last solve that converged
+  std::vector<double> displacement_errors_;  // of the last solve that converged
+  bool resolved_ = false;                    // all zones are
+  bool may_converge_when_finer_ = false;     // the last solve, if it has not
+  std::string refused_;                      // why a next grid could not be made
+  double search_ = 0;                        // s, for zones after the last solve: takes no longer with more unknowns
+  double begin_ = 0;                         // s, when the last solve had ended
+  double own_ = 0;                           // s, of the last solve and its own grid; others may have been tried before
+  const char* limit_ = "";                   // that binds the next grid
+  double needed_ = 0;                        // unknowns of the grid that the targets ask for
 };
 
 }  // namespace cgcontact
