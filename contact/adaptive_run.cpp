@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/model/memory.hpp"
-#include "contact/results/peak_estimate.hpp"
-#include "contact/results/small_strain.hpp"
-#include "core/base/ranks.hpp"
-#include "core/base/text.hpp"
+#include "contact/checks/memory.hpp"
+#include "contact/results/estimates/peak_estimate.hpp"
+#include "contact/results/verdict/small_strain.hpp"
+#include "core/base/files/text.hpp"
+#include "core/base/process/ranks.hpp"
 
 namespace cgcontact {
 namespace {

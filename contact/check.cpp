@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "contact/model/memory.hpp"
-#include "contact/results/conditions.hpp"
+#include "contact/checks/memory.hpp"
+#include "contact/results/figures/conditions.hpp"
 
 namespace cgcontact {
 namespace {

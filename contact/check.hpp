@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "contact/preparation.hpp"
-#include "core/output/output_check.hpp"
+#include "core/output/check/output_check.hpp"
 
 namespace cgcontact {
 
@@ -16,7 +16,7 @@ std::string describe(const Scene& scene, const Preparation& preparation);
 /// comments.
 std::string describe_settings(const Scene& scene);
 
-/// Draws the scene on its grids into `directory` (core/output/output_check.hpp).
+/// Draws the scene on its grids into `directory` (core/output/check/output_check.hpp).
 CheckFiles draw(const Scene& scene, const Preparation& preparation, const std::string& directory);
 
 }  // namespace cgcontact

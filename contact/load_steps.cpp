@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "contact/results/contact_rows.hpp"
-#include "contact/results/friction_capacity.hpp"
-#include "contact/results/holding.hpp"
-#include "contact/results/missed_contact.hpp"
-#include "contact/results/open_force.hpp"
-#include "contact/results/pair_figures.hpp"
-#include "contact/results/postprocess.hpp"
-#include "contact/solve/tangential_drift.hpp"
+#include "contact/results/estimates/friction_capacity.hpp"
+#include "contact/results/estimates/open_force.hpp"
+#include "contact/results/figures/contact_rows.hpp"
+#include "contact/results/figures/holding.hpp"
+#include "contact/results/figures/pair_figures.hpp"
+#include "contact/results/figures/postprocess.hpp"
+#include "contact/results/verdict/missed_contact.hpp"
+#include "contact/solve/floating/tangential_drift.hpp"
 #include "contact/stress_recovery.hpp"
 
 namespace cgcontact {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "contact/progress.hpp"
-#include "contact/solve/preload.hpp"
+#include "contact/solve/forces/preload.hpp"
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "contact/model/memory.hpp"
-#include "contact/results/zone_width.hpp"
+#include "contact/checks/memory.hpp"
+#include "contact/results/verdict/zone_width.hpp"
 
 namespace cgcontact {
 namespace {

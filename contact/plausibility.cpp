@@ -7,11 +7,11 @@
 #include <map>
 #include <set>
 
-#include "contact/model/condition_checks.hpp"
-#include "contact/results/conditions.hpp"
-#include "core/base/rounding.hpp"
-#include "core/base/suggest.hpp"
-#include "core/base/text.hpp"
+#include "contact/checks/condition_checks.hpp"
+#include "contact/results/figures/conditions.hpp"
+#include "core/base/errors/suggest.hpp"
+#include "core/base/files/text.hpp"
+#include "core/base/numbers/rounding.hpp"
 #include "core/geometry/solid_middle.hpp"
 
 namespace cgcontact {

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <numeric>
 
-#include "contact/model/condition_checks.hpp"
-#include "contact/model/load_checks.hpp"
-#include "contact/model/memory.hpp"
+#include "contact/checks/condition_checks.hpp"
+#include "contact/checks/load_checks.hpp"
+#include "contact/checks/memory.hpp"
+#include "contact/checks/rigid_supports.hpp"
 #include "contact/model/plane_strain.hpp"
-#include "contact/model/rigid_supports.hpp"
 #include "contact/motions/free_components.hpp"
 #include "contact/motions/free_motion.hpp"
 #include "contact/plausibility.hpp"
-#include "contact/results/reference.hpp"
+#include "contact/results/reference/reference.hpp"
 
 namespace cgcontact {
 namespace {

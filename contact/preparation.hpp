@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "contact/checks/memory.hpp"
 #include "contact/model/contact_pairs.hpp"
-#include "contact/model/memory.hpp"
 #include "contact/motions/free_motion.hpp"
 
 namespace cgcontact {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "contact/results/face_problems.hpp"
+#include "contact/results/face_problems/face_problems.hpp"
 #include "recovery/constrained/divergence.hpp"
 #include "recovery/error/error_estimate.hpp"
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <memory>
 
+#include "contact/groups/group_rows.hpp"
 #include "contact/kernels/row_kernels.hpp"
-#include "contact/model/group_rows.hpp"
 #include "contact/solve/iterate.hpp"
 #include "kernels/mesh/interpolate.hpp"
 #include "perf/harness.hpp"

@@ -15,7 +15,7 @@
 #include "contact/simulation.hpp"
 #include "contact/solve/boundary_stress.hpp"
 #include "core/output/output.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
 #include "perf/process_memory.hpp"
 

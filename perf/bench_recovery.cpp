@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 #include "kernels/mesh/hex.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"

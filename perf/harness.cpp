@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/base/resources.hpp"
+#include "core/base/process/resources.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact::perf {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <random>
 
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::perf {
 

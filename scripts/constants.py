@@ -27,7 +27,8 @@ import sys
 
 LIBRARIES = ("core", "kernels", "recovery", "contact")
 KINDS = ("tuned", "setting", "rounding", "input", "drawing", "size", "derived", "exact")
-INPUT = ("core/base/", "core/scene/", "core/decks/", "core/program/", "core/results/", "contact/plausibility", "contact/results/reference")
+INPUT = ("core/base/", "core/expressions/", "core/scene/", "core/scene_file/", "core/decks/", "core/program/", "core/results/",
+         "contact/plausibility", "contact/results/reference/reference")
 OPTIONS = re.compile(r"core/settings/\w+_options\.hpp")
 WORDS_OF_SIZES = {"num", "count", "size", "bit", "bits", "bytes", "lanes", "block", "chunk", "group", "thread", "leaf", "dofs", "nodes", "corners",
                   "columns", "rows", "row", "runs", "run", "slabs", "n", "degree", "index", "grain", "alignment", "cache", "header", "once"}

@@ -17,7 +17,7 @@ What is done stands in DIR/results.jsonl, a line for each constant: started agai
 factor or --command have changed. --again takes nothing over; --summary only prints what stands there. Ctrl-C and SIGTERM leave the copy as it was; after
 a crash the next start restores it.
 
-  scripts/vary_constants.py --build /tmp/vary --only contact/model/indentation scenes/two_solids.toml tests/scenes/pin.toml
+  scripts/vary_constants.py --build /tmp/vary --only contact/groups/indentation scenes/two_solids.toml tests/scenes/pin.toml
 """
 import argparse
 import hashlib

@@ -5,7 +5,7 @@ set -euo pipefail
 checker=$1
 tree=$(mktemp -d)
 trap 'rm -r "$tree"' EXIT
-mkdir -p "$tree"/{core/{base,geometry},kernels/mesh,recovery/patch,contact/model}
+mkdir -p "$tree"/{core/{base/{numbers,files},geometry},kernels/mesh,recovery/patch,contact/model}
 failed=0
 
 # expect PASSES FILE LINE: with this line in this file the checker passes (1) or fails and names the file (0).
@@ -22,16 +22,23 @@ expect() {
 
 expect 1 core/geometry/a.hpp '#include "core/base/b.hpp"'
 expect 1 core/base/a.cpp '#include "core/base/b.hpp"'
+expect 1 core/base/files/a.cpp '#include "core/base/numbers/b.hpp"'
+expect 1 core/geometry/a.cpp '#include "core/base/files/b.hpp"'
 expect 1 recovery/patch/a.cpp '#include "core/geometry/b.hpp"'
 expect 1 contact/a.cpp '#include "kernels/mesh/b.hpp"'
 expect 0 core/base/a.hpp '#include "core/geometry/b.hpp"'     # a later room
 expect 0 core/base/a.hpp '  #  include  "core/b.hpp"'         # beside the rooms
+expect 0 core/base/numbers/a.hpp '#include "core/base/files/b.hpp"' # a later room of a room
+expect 0 core/base/numbers/a.hpp '#include "core/base/b.hpp"'
 expect 0 kernels/mesh/a.cpp '#include "recovery/patch/b.hpp"' # a later folder
 expect 0 kernels/mesh/a.cpp '#include "b.hpp"'
 expect 0 kernels/mesh/a.cpp '#include <core/base/b.hpp>'
-mkdir "$tree/core/attic"
-if "$checker" "$tree" >/dev/null; then
-  echo "a room that is in no list passes"
-  failed=1
-fi
+for room in core/attic core/geometry/attic; do
+  mkdir "$tree/$room"
+  if "$checker" "$tree" >/dev/null; then
+    echo "$room, which is in no list, passes"
+    failed=1
+  fi
+  rmdir "$tree/$room"
+done
 exit $failed

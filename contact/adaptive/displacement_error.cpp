@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/results/displacement_estimate.hpp"
-#include "contact/results/probes.hpp"
-#include "core/base/parallel.hpp"
+#include "contact/results/figures/displacement_estimate.hpp"
+#include "contact/results/figures/probes.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 namespace {

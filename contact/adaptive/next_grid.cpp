@@ -5,8 +5,8 @@
 
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
-#include "contact/results/open_gaps.hpp"
-#include "core/base/rounding.hpp"
+#include "contact/results/verdict/open_gaps.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/model/gap_samples.hpp"
-#include "contact/model/indentation.hpp"
-#include "core/base/parallel.hpp"
+#include "contact/groups/gap_samples.hpp"
+#include "contact/groups/indentation.hpp"
+#include "core/base/process/parallel.hpp"
 #include "recovery/face/connected_sets.hpp"
 #include "recovery/face/symmetry_planes.hpp"
 

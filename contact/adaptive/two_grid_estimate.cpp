@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/results/contact_rows.hpp"
-#include "contact/results/peak_estimate.hpp"
-#include "core/base/parallel.hpp"
+#include "contact/results/estimates/peak_estimate.hpp"
+#include "contact/results/figures/contact_rows.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 namespace {

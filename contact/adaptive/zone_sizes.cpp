@@ -5,11 +5,11 @@
 #include <map>
 
 #include "contact/adaptive/small_zone_positions.hpp"
-#include "contact/results/contact_rows.hpp"
-#include "contact/results/friction_capacity.hpp"
-#include "contact/results/missed_contact.hpp"
-#include "contact/results/verdict.hpp"
-#include "contact/results/zone_width.hpp"
+#include "contact/results/estimates/friction_capacity.hpp"
+#include "contact/results/figures/contact_rows.hpp"
+#include "contact/results/verdict/missed_contact.hpp"
+#include "contact/results/verdict/verdict.hpp"
+#include "contact/results/verdict/zone_width.hpp"
 
 namespace cgcontact {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "contact/face/zone_chart.hpp"
-#include "core/base/point_buckets.hpp"
+#include "core/base/numbers/point_buckets.hpp"
 #include "recovery/face/face_zone.hpp"
 #include "recovery/patch/known_pressures.hpp"
 

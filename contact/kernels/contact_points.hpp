@@ -5,7 +5,7 @@
 #include <iterator>
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "kernels/mesh/views.hpp"
 
 namespace cgcontact {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "contact/kernels/group_kernels.hpp"
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "kernels/mesh/dofs.hpp"
 #include "kernels/mesh/hex.hpp"
 

@@ -9,9 +9,9 @@
 
 #include "contact/model/opposite_borders.hpp"
 #include "contact/model/press_direction.hpp"
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
+#include "core/base/process/parallel.hpp"
+#include "core/base/process/ranks.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {

@@ -10,7 +10,7 @@
 #include "contact/model/around_axis.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/refined_grid.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/scene/face_dividers.hpp"
 

@@ -108,7 +108,7 @@ struct SupportPoint {
   double value = 0;       ///< the same in the present step, m
   bool implied = false;   ///< as its support is: for the search for free motions, no term of the linear system
   bool follows = false;   ///< value becomes the displacement in every outer iteration: no force in the end
-  bool holds_along_surface = false;  ///< holds a body along surfaces (contact/solve/tangential_drift.hpp)
+  bool holds_along_surface = false;  ///< holds a body along surfaces (contact/solve/floating/tangential_drift.hpp)
   Held component = Held::normal;
   double spring = 0;  ///< Pa/m; 0: held
 };

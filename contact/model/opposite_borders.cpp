@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "contact/model/opposite_points.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 
 namespace cgcontact {
 namespace {

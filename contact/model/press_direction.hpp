@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/memory.hpp"
-#include "core/base/rounding.hpp"
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
+#include "core/base/numbers/rounding.hpp"
+#include "core/base/process/memory.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/cells/size_field.hpp"
 
@@ -20,7 +20,7 @@ constexpr double too_large = 0.999;
 
 /// A divided cell that the body touches leaves at least so many cells more, some of its children being outside.
 constexpr double min_added_cells = 2, min_added_cells_in_plane = 1;
-/// Memory that a cell takes at least (contact/model/memory.cpp).
+/// Memory that a cell takes at least (contact/checks/memory.cpp).
 constexpr double min_bytes = 500;
 
 CellTree tree_of_sizes(const BodySpec& body, const BodyGeometry& geometry, const Grid& grid,

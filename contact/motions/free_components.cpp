@@ -9,8 +9,8 @@
 
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/rigid_motion.hpp"
-#include "core/base/decompositions.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/decompositions.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 namespace {

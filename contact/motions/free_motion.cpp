@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "contact/model/surface_normals.hpp"
-#include "core/base/decompositions.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/decompositions.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 namespace {

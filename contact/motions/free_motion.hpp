@@ -5,7 +5,7 @@
 #include <string>
 
 #include "contact/motions/rigid_motion.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {

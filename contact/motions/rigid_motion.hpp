@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "contact/model/contact_pairs.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact {
 namespace {

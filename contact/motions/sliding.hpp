@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/geometry/symmetry_plane.hpp"
 
 namespace cgcontact {

@@ -1,7 +1,7 @@
 #include "contact/motions/statics.hpp"
 
 #include "contact/motions/rigid_motion.hpp"
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact {
 namespace {

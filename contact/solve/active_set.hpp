@@ -4,7 +4,7 @@
 #include <string>
 
 #include "contact/solve/iterate.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/solve/outer_problem.hpp"
+#include "contact/solve/forces/outer_problem.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {

@@ -4,10 +4,10 @@
 
 #include <Kokkos_DualView.hpp>
 
-#include "contact/solve/body_motion.hpp"
-#include "contact/solve/contact_arrays.hpp"
-#include "contact/solve/friction.hpp"
-#include "contact/solve/rigid_contact.hpp"
+#include "contact/solve/floating/body_motion.hpp"
+#include "contact/solve/floating/rigid_contact.hpp"
+#include "contact/solve/forces/contact_arrays.hpp"
+#include "contact/solve/forces/friction.hpp"
 
 namespace cgcontact {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/rounding.hpp"
-#include "core/base/shared_values.hpp"
+#include "core/base/numbers/rounding.hpp"
+#include "core/base/process/shared_values.hpp"
 
 namespace cgcontact {
 namespace {

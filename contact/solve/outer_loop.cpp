@@ -7,18 +7,18 @@
 #include <numeric>
 #include <utility>
 
-#include "contact/model/contact_system.hpp"
+#include "contact/groups/contact_system.hpp"
 #include "contact/motions/free_components.hpp"
 #include "contact/solve/active_set.hpp"
 #include "contact/solve/active_set_history.hpp"
 #include "contact/solve/diagnosis.hpp"
+#include "contact/solve/floating/tangential_drift.hpp"
 #include "contact/solve/lagged_stress.hpp"
 #include "contact/solve/line_search.hpp"
 #include "contact/solve/outer_start.hpp"
 #include "contact/solve/right_hand_side.hpp"
 #include "contact/solve/soft_contact.hpp"
-#include "contact/solve/tangential_drift.hpp"
-#include "core/base/memory.hpp"
+#include "core/base/process/memory.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {

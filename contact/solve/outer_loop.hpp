@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
-#include "contact/solve/body_motion.hpp"
-#include "contact/solve/friction.hpp"
-#include "contact/solve/small_zones.hpp"
+#include "contact/solve/floating/body_motion.hpp"
+#include "contact/solve/forces/friction.hpp"
+#include "contact/solve/forces/small_zones.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {

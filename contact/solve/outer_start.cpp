@@ -4,7 +4,7 @@
 
 #include "contact/solve/iterate.hpp"
 #include "contact/solve/solved_state.hpp"
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 namespace {

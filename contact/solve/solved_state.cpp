@@ -1,7 +1,7 @@
 #include "contact/solve/solved_state.hpp"
 
-#include "contact/model/contact_system.hpp"
-#include "core/base/parallel.hpp"
+#include "contact/groups/contact_system.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 namespace {

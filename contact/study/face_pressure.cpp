@@ -7,9 +7,9 @@
 #include <limits>
 #include <sstream>
 
-#include "core/base/decompositions.hpp"
-#include "core/base/text.hpp"
-#include "core/output/output_csv.hpp"
+#include "core/base/files/text.hpp"
+#include "core/base/numbers/decompositions.hpp"
+#include "core/output/fields/output_csv.hpp"
 
 namespace cgcontact {
 

@@ -9,13 +9,13 @@
 #include <map>
 #include <optional>
 
-#include "contact/results/pressure_error.hpp"
+#include "contact/results/reference/pressure_error.hpp"
 #include "contact/study/face_pressure.hpp"
 #include "contact/study/study_plan.hpp"
-#include "core/base/resources.hpp"
-#include "core/base/rounding.hpp"
-#include "core/base/text.hpp"
-#include "core/output/output_study.hpp"
+#include "core/base/files/text.hpp"
+#include "core/base/numbers/rounding.hpp"
+#include "core/base/process/resources.hpp"
+#include "core/output/study/output_study.hpp"
 #include "core/program/child_process.hpp"
 #include "core/program/progress.hpp"
 

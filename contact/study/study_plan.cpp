@@ -8,8 +8,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "core/base/text.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/base/files/text.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/output/study_table.hpp"
+#include "core/output/study/study_table.hpp"
 #include "core/program/cli.hpp"
 #include "core/scene/scene.hpp"
 

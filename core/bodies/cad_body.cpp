@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/bodies/clipped_triangles.hpp"
 #include "core/bodies/triangle_body.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/cell_facets.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 #include "core/quadrature/point_compression.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/errors.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/numbers/rounding.hpp"
 #include "core/bodies/cell_facets.hpp"
 #include "core/cells/cell_sweep.hpp"
 #include "core/cells/grid.hpp"

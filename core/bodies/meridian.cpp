@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/cad_body.hpp"
 #include "core/bodies/csg_body.hpp"
 #include "core/bodies/profile_body.hpp"

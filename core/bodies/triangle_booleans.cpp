@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/bodies/triangle_body.hpp"
 #include "core/triangles/triangle_arrangement.hpp"

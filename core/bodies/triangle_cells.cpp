@@ -6,7 +6,7 @@
 #include <numeric>
 #include <optional>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/clipped_triangles.hpp"
 #include "core/cells/moments.hpp"
 #include "core/quadrature/gauss_rules.hpp"

@@ -1,5 +1,5 @@
 // Replaces what needs CGAL (CGCONTACT_CGAL=OFF).
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/triangles/triangle_repair.hpp"
 

@@ -17,7 +17,7 @@
 #include <TopoDS_Compound.hxx>
 #include <gp_Ax2.hxx>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cad/cad_shape.hpp"
 
 namespace cgcontact {

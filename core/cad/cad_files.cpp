@@ -4,7 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {

@@ -34,7 +34,7 @@
 #include <optional>
 #include <set>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cad/step_references.hpp"
 
 namespace cgcontact {

@@ -2,7 +2,7 @@
 /// and memory, and few scenes need them.
 #pragma once
 
-#include "core/base/packing.hpp"
+#include "core/base/process/packing.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {

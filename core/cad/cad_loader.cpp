@@ -9,9 +9,9 @@
 #include <fstream>
 #include <functional>
 
-#include "core/base/child_work.hpp"
-#include "core/base/errors.hpp"
-#include "core/base/memory.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/process/child_work.hpp"
+#include "core/base/process/memory.hpp"
 #include "core/cad/cad_kernel.hpp"
 
 namespace cgcontact {

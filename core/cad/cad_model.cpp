@@ -27,7 +27,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cad/cad_shape.hpp"
 
 namespace cgcontact {

@@ -30,7 +30,7 @@
 #include <mutex>
 #include <set>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cad/cad_formats.hpp"
 #include "core/cad/cad_shape.hpp"
 

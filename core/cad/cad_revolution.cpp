@@ -29,7 +29,7 @@
 #include <gp_Torus.hxx>
 #include <numeric>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cad/cad_shape.hpp"
 #include "core/geometry/profile.hpp"
 

@@ -7,7 +7,7 @@
 #include <gp_Pnt.hxx>
 #include <gp_XYZ.hxx>
 
-#include "core/base/packing.hpp"
+#include "core/base/process/packing.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {

@@ -22,7 +22,7 @@
 #include <limits>
 #include <map>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cad/cad_shape.hpp"
 
 namespace cgcontact {

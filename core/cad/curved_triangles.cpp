@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 
 namespace cgcontact {
 

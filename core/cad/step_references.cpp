@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 
 namespace cgcontact {
 

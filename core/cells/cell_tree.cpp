@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/geometry/body_geometry.hpp"
 
 namespace cgcontact {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cells/grid.hpp"
 #include "core/cells/grid_numbers.hpp"
 

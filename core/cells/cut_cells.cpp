@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/errors.hpp"
-#include "core/base/packing.hpp"
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/process/packing.hpp"
+#include "core/base/process/parallel.hpp"
+#include "core/base/process/ranks.hpp"
 #include "core/cells/cell_sweep.hpp"
 
 namespace cgcontact {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 
 namespace cgcontact {
 

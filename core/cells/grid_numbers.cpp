@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 
 namespace cgcontact {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 
 namespace cgcontact {
 

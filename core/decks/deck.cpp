@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/errors.hpp"
-#include "core/base/text.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/files/text.hpp"
 
 namespace cgcontact {
 

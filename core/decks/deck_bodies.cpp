@@ -9,7 +9,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 
 namespace cgcontact {
 

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "core/base/errors.hpp"
-#include "core/base/new_file.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/files/new_file.hpp"
 #include "core/decks/deck_bodies.hpp"
-#include "core/scene/scene_template.hpp"
+#include "core/scene_file/templates/scene_template.hpp"
 
 namespace cgcontact {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/scene/scene_template.hpp"
+#include "core/scene_file/templates/scene_template.hpp"
 
 namespace cgcontact {
 

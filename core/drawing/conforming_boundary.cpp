@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "core/base/point_buckets.hpp"
+#include "core/base/numbers/point_buckets.hpp"
 
 namespace cgcontact {
 

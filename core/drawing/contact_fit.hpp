@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/point_buckets.hpp"
+#include "core/base/numbers/point_buckets.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/rounding.hpp"
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 

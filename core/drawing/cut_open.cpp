@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/parallel.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 
-#include "core/base/parallel.hpp"
-#include "core/base/point_buckets.hpp"
+#include "core/base/numbers/point_buckets.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 

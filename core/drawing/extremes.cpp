@@ -5,9 +5,9 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/packing.hpp"
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/process/packing.hpp"
+#include "core/base/process/parallel.hpp"
+#include "core/base/process/ranks.hpp"
 
 namespace cgcontact {
 

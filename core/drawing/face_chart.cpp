@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact {
 

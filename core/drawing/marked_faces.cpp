@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 
 namespace cgcontact {
 

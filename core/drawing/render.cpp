@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 

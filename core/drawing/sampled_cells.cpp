@@ -8,7 +8,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 

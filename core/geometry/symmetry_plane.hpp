@@ -1,7 +1,7 @@
 /// A plane of symmetry: what lies on one side goes on behind it as its mirror image.
 #pragma once
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 
 namespace cgcontact {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/output/output_report.hpp"
+#include "core/output/report/output_report.hpp"
 #include "core/results/results.hpp"
 #include "core/scene/scene.hpp"
 

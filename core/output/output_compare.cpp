@@ -10,11 +10,11 @@
 #include <optional>
 #include <sstream>
 
-#include "core/base/errors.hpp"
-#include "core/base/json.hpp"
-#include "core/base/text.hpp"
-#include "core/output/output_csv.hpp"
-#include "core/output/output_gnuplot.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/files/json.hpp"
+#include "core/base/files/text.hpp"
+#include "core/output/fields/output_csv.hpp"
+#include "core/output/pictures/output_gnuplot.hpp"
 
 namespace cgcontact {
 

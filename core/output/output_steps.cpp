@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 
 namespace cgcontact {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/output/output_gnuplot.hpp"
-#include "core/output/output_picture.hpp"
-#include "core/output/output_vtk.hpp"
+#include "core/output/fields/output_vtk.hpp"
+#include "core/output/pictures/output_gnuplot.hpp"
+#include "core/output/pictures/output_picture.hpp"
 #include "core/output/view/output_view.hpp"
 
 namespace cgcontact {

@@ -9,10 +9,10 @@
 #include <iostream>
 #include <tuple>
 
-#include "core/base/errors.hpp"
-#include "core/base/memory.hpp"
-#include "core/base/ranks.hpp"
-#include "core/base/suggest.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/errors/suggest.hpp"
+#include "core/base/process/memory.hpp"
+#include "core/base/process/ranks.hpp"
 
 #ifndef CGCONTACT_VERSION
 #define CGCONTACT_VERSION "unknown"

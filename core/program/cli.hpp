@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/program/study_options.hpp"
-#include "core/scene/scene_template.hpp"
+#include "core/scene_file/templates/scene_template.hpp"
 
 namespace cgcontact {
 
@@ -25,7 +25,7 @@ struct CommandLine {
   std::string threads_given_by = "--threads";                         ///< or the variable of the environment
   std::vector<std::string> overrides;                                 ///< "key=value"
   std::vector<std::pair<std::string, std::string>> from_environment;  ///< variable, value: texts that were used
-  std::string memory_limit;  ///< as for parse_memory (core/base/memory.hpp); empty: what there is
+  std::string memory_limit;  ///< as for parse_memory (core/base/process/memory.hpp); empty: what there is
   StudyOptions study_options;
   std::string first_result, second_result;  ///< compare: output directories
   InitOptions init_options;

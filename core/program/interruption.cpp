@@ -10,7 +10,7 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 
 namespace cgcontact {
 

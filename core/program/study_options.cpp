@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/base/errors.hpp"
-#include "core/base/text.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/files/text.hpp"
 
 namespace cgcontact {
 

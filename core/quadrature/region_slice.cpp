@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/root_search.hpp"
+#include "core/base/numbers/root_search.hpp"
 
 namespace cgcontact {
 

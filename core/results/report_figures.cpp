@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/errors.hpp"
-#include "core/base/json.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/files/json.hpp"
 
 namespace cgcontact {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/geometry/symmetry_plane.hpp"
 
 namespace cgcontact {

@@ -11,11 +11,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/base/errors.hpp"
-#include "core/base/hdf_file.hpp"
-#include "core/base/json.hpp"
-#include "core/base/suggest.hpp"
-#include "core/base/text.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/errors/suggest.hpp"
+#include "core/base/files/hdf_file.hpp"
+#include "core/base/files/json.hpp"
+#include "core/base/files/text.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
 namespace cgcontact {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/scene/scene.hpp"
 #include "core/triangles/triangle_tree.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "core/cells/boundary_points.hpp"
 #include "core/cells/grid.hpp"
-#include "core/scene/jump_planes.hpp"
+#include "core/expressions/jump_planes.hpp"
 #include "core/scene/scene.hpp"
 
 namespace cgcontact {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/base/decompositions.hpp"
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact {
 

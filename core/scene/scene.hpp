@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/errors.hpp"
-#include "core/base/types.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/numbers/types.hpp"
+#include "core/expressions/expression.hpp"
 #include "core/geometry/solid.hpp"
-#include "core/scene/expression.hpp"
 #include "core/scene/face_traction.hpp"
 #include "core/scene/scalar_field.hpp"
 #include "core/settings/accuracy_options.hpp"

@@ -1,6 +1,6 @@
 #include "core/settings/output_options.hpp"
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 
 namespace cgcontact {
 

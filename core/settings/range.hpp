@@ -12,7 +12,7 @@ struct Range {
   double max = std::numeric_limits<double>::infinity();
   bool min_allowed = true, max_allowed = true;
   std::string text = "a finite number";
-  std::string unit = {};  ///< of the number, where a scene can set it: as core/scene/units.hpp knows it
+  std::string unit = {};  ///< of the number, where a scene can set it: as core/expressions/units.hpp knows it
 
   bool contains(double value) const {
     return (min_allowed ? value >= min : value > min) && (max_allowed ? value <= max : value < max);

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/settings/range.hpp"
 
 namespace cgcontact {

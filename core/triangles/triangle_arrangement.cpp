@@ -10,7 +10,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_edges.hpp"
 #include "core/triangles/triangle_reader.hpp"

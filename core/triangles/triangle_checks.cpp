@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/triangles/triangle_crossings.hpp"
 #include "core/triangles/triangle_edges.hpp"
 #include "core/triangles/triangle_reader.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
 namespace cgcontact {

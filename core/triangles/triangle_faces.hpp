@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/errors.hpp"
-#include "core/base/types.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/numbers/types.hpp"
 #include "core/triangles/triangle_soup.hpp"
 #include "core/triangles/triangle_surface.hpp"
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <tuple>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/triangles/polygon_triangles.hpp"
 
 namespace cgcontact {

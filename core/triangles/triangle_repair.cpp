@@ -16,7 +16,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/triangles/triangle_arrangement.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_crossings.hpp"

@@ -9,7 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/mesh/sparse_rows.hpp"

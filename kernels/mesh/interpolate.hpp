@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "kernels/mesh/hex.hpp"
 
 namespace cgcontact {

@@ -4,7 +4,7 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 
 namespace cgcontact {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "kernels/mesh/hanging_nodes.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/mesh/sparse_rows.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/decompositions.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/numbers/decompositions.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/mesh/dot.hpp"
 #include "kernels/multigrid/coarsen.hpp"

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 
 namespace cgcontact {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/multigrid/surface_rows.hpp"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 
 namespace cgcontact {
 namespace {

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact {
 namespace {

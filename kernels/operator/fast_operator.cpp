@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/mesh/row_sums.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/mesh/hanging_nodes.hpp"
 #include "kernels/mesh/row_sums.hpp"
 

@@ -23,7 +23,7 @@ class RankShare {
   int local(int whole_node) const { return local_of_whole_[whole_node]; }
   const std::vector<int>& whole_nodes() const { return whole_nodes_; }  ///< of each local node, ascending
 
-  /// Adds this rank's counts to RankWork (core/base/ranks.hpp).
+  /// Adds this rank's counts to RankWork (core/base/process/ranks.hpp).
   void record_counts() const;
 
   /// Takes over the rows of the contact groups of the whole system, unless it has the same, and their stiffness.

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/mesh/dot.hpp"
 
 namespace cgcontact {

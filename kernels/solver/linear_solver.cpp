@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <limits>
 
-#include "core/base/memory.hpp"
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/process/memory.hpp"
+#include "core/base/process/parallel.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/mesh/dot.hpp"
 #include "kernels/multigrid/multigrid.hpp"

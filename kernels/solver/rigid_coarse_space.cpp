@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/decompositions.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/numbers/decompositions.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/mesh/node_sums.hpp"
 
 namespace cgcontact {

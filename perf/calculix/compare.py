@@ -9,7 +9,7 @@ L2 error of the contact pressure, side by side.
 CalculiX (Debian package calculix-ccx) gets what suits it best: meshes that fit the bodies and match at the contact face
 (n x n/2 x n bricks C3D8I per body), consistent nodal forces, one load increment. Its contact pressure is the nodal one
 it prints for the contact face, interpolated bilinearly; the error is that of this function over the face against the
-same reference curve as the scene's (scenes/data/two_solids_2d.csv, linear between its rows, like contact/results/reference.cpp):
+same reference curve as the scene's (scenes/data/two_solids_2d.csv, linear between its rows, like contact/results/reference/reference.cpp):
 
     error^2 = int (p - p_ref)^2 dA / int p_ref^2 dA
 

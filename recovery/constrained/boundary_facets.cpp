@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
 #include "recovery/patch/cells_in_box.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "recovery/constrained/fit_kernels.hpp"
 #include "recovery/patch/edge_moments.hpp"
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "core/base/decompositions.hpp"
-#include "core/base/parallel.hpp"
+#include "core/base/numbers/decompositions.hpp"
+#include "core/base/process/parallel.hpp"
 #include "kernels/mesh/mesh.hpp"
 #include "recovery/patch/boundary_data.hpp"
 

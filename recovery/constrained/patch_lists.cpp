@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
 #include "recovery/patch/cells_in_box.hpp"
 
 namespace cgcontact {

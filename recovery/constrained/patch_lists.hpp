@@ -3,7 +3,7 @@
 /// these lists.
 #pragma once
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "recovery/constrained/patch_context.hpp"
 
 namespace cgcontact {

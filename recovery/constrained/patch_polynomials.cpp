@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/geometry/solid_middle.hpp"
 #include "recovery/constrained/patch_lists.hpp"

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/base/packing.hpp"
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/process/packing.hpp"
+#include "core/base/process/parallel.hpp"
+#include "core/base/process/ranks.hpp"
 #include "recovery/constrained/constrained_fits.hpp"
 #include "recovery/constrained/force_balance.hpp"
 #include "recovery/constrained/interior_patches.hpp"

@@ -1,7 +1,7 @@
 #include "recovery/error/error_estimate.hpp"
 
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/process/parallel.hpp"
+#include "core/base/process/ranks.hpp"
 #include "recovery/patch/polynomials.hpp"
 
 namespace cgcontact {

@@ -1,7 +1,7 @@
 /// Connected sets of points.
 #pragma once
 
-#include "core/base/point_buckets.hpp"
+#include "core/base/numbers/point_buckets.hpp"
 
 namespace cgcontact {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 
 namespace cgcontact {
 namespace {

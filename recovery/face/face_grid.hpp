@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 
 namespace cgcontact {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/base/cell_lists.hpp"
+#include "core/base/numbers/cell_lists.hpp"
 #include "core/cells/cut_cells.hpp"
 
 namespace cgcontact {

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "core/base/parallel.hpp"
-#include "core/base/rounding.hpp"
+#include "core/base/numbers/rounding.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
 #include "recovery/patch/patch_arrays.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 
 namespace cgcontact {
 

@@ -1,6 +1,6 @@
 #include "recovery/spr/cell_stress.hpp"
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "recovery/spr/corner_differences.hpp"
 #include "recovery/spr/sum_kernels.hpp"
 

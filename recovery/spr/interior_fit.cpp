@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "recovery/spr/spr_kernels.hpp"
 
 namespace cgcontact {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/base/ranks.hpp"
+#include "core/base/process/ranks.hpp"
 #include "recovery/patch/polynomials.hpp"
 #include "recovery/spr/spr_kernels.hpp"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/cad_body.hpp"
 #include "core/cad/cad_model.hpp"
 #include "core/cells/cut_cells.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cells/cut_cells.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_faces.hpp"

@@ -1,7 +1,7 @@
 /// Test main that starts Kokkos once, where core/ has it.
 #include <gtest/gtest.h>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 #include "tests/support/run_tests.hpp"
 
 int main(int argc, char** argv) {

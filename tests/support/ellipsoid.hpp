@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cells/cell_sweep.hpp"
 #include "core/cells/grid.hpp"
 #include "core/geometry/solid.hpp"

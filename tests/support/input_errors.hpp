@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 
 namespace cgcontact {
 

@@ -1,8 +1,8 @@
 /// Test main for several ranks: the first one prints, all of them fail if one does.
 #include <gtest/gtest.h>
 
-#include "core/base/ranks.hpp"
-#include "core/base/resources.hpp"
+#include "core/base/process/ranks.hpp"
+#include "core/base/process/resources.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "contact/simulation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test {
 

@@ -1,7 +1,7 @@
 /// Test main that starts Kokkos and Tpetra once.
 #include <gtest/gtest.h>
 
-#include "core/base/resources.hpp"
+#include "core/base/process/resources.hpp"
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/run_tests.hpp"
 

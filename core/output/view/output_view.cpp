@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 #include "core/drawing/contact_fit.hpp"
 #include "core/drawing/extremes.hpp"
 #include "core/drawing/sampled_cells.hpp"
 #include "core/drawing/thin_boundary.hpp"
-#include "core/output/output_gnuplot.hpp"
-#include "core/output/output_picture.hpp"
+#include "core/output/pictures/output_gnuplot.hpp"
+#include "core/output/pictures/output_picture.hpp"
 #include "core/output/view/packed_values.hpp"
 
 namespace cgcontact {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/output/output_check.hpp"
+#include "core/output/check/output_check.hpp"
 #include "core/output/view/view_page.hpp"
 #include "core/results/results.hpp"
 

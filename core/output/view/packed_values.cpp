@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 
 namespace cgcontact {
 

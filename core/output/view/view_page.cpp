@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 #include "core/output/view/packed_values.hpp"
 #include "core/output/view/view_assets.hpp"
 

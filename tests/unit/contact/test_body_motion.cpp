@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "contact/solve/body_motion.hpp"
+#include "contact/solve/floating/body_motion.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_body_motion {

@@ -2,10 +2,10 @@
 /// supports that would deform a rigid body.
 #include <gtest/gtest.h>
 
-#include "contact/model/condition_checks.hpp"
-#include "contact/model/rigid_supports.hpp"
+#include "contact/checks/condition_checks.hpp"
+#include "contact/checks/rigid_supports.hpp"
 #include "contact/preparation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/scene_text.hpp"
 

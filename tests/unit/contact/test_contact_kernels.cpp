@@ -9,7 +9,7 @@
 
 #include "contact/kernels/row_kernels.hpp"
 #include "contact/kernels/support_kernels.hpp"
-#include "contact/solve/body_motion.hpp"
+#include "contact/solve/floating/body_motion.hpp"
 #include "tests/support/execution_spaces.hpp"
 
 namespace cgcontact::test_contact_kernels {

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "contact/model/group_rows.hpp"
+#include "contact/groups/group_rows.hpp"
 #include "contact/model/opposite_borders.hpp"
 #include "contact/model/opposite_points.hpp"
 #include "contact/preparation.hpp"

@@ -7,10 +7,10 @@
 #include <functional>
 #include <limits>
 
-#include "contact/results/pressure_error.hpp"
+#include "contact/results/reference/pressure_error.hpp"
 #include "contact/study/face_pressure.hpp"
-#include "core/base/text.hpp"
-#include "core/output/output_csv.hpp"
+#include "core/base/files/text.hpp"
+#include "core/output/fields/output_csv.hpp"
 
 namespace cgcontact::test_face_pressure {
 namespace {

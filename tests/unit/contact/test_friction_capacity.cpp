@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "contact/results/friction_capacity.hpp"
+#include "contact/results/estimates/friction_capacity.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "contact/preparation.hpp"
-#include "contact/results/missed_contact.hpp"
+#include "contact/results/verdict/missed_contact.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_gaps_and_overlaps {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "contact/model/indentation.hpp"
-#include "contact/results/hertz.hpp"
+#include "contact/groups/indentation.hpp"
+#include "contact/results/figures/hertz.hpp"
 
 namespace cgcontact::test_hertz {
 namespace {

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <cstring>
 
-#include "contact/model/load_checks.hpp"
+#include "contact/checks/load_checks.hpp"
 #include "contact/preparation.hpp"
 #include "contact/simulation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test_loads {
 namespace {

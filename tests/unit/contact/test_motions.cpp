@@ -10,9 +10,9 @@
 #include "contact/motions/rigid_motion.hpp"
 #include "contact/motions/statics.hpp"
 #include "contact/preparation.hpp"
-#include "contact/solve/rigid_contact.hpp"
-#include "contact/solve/tangential_drift.hpp"
-#include "core/scene/read_scene.hpp"
+#include "contact/solve/floating/rigid_contact.hpp"
+#include "contact/solve/floating/tangential_drift.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/scene_text.hpp"
 
 namespace cgcontact::test_motions {

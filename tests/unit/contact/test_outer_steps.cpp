@@ -12,7 +12,7 @@
 #include "contact/solve/lagged_stress.hpp"
 #include "contact/solve/line_search.hpp"
 #include "contact/solve/right_hand_side.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact::test_outer_steps {

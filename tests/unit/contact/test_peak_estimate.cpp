@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "contact/results/peak_estimate.hpp"
+#include "contact/results/estimates/peak_estimate.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_peak_estimate {

@@ -8,7 +8,7 @@
 
 #include "contact/preparation.hpp"
 #include "contact/simulation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test_plane_strain {
 namespace {

@@ -6,7 +6,7 @@
 #include "contact/model/around_axis.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/preparation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/scene_text.hpp"
 

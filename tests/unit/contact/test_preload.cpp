@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/preparation.hpp"
-#include "contact/solve/preload.hpp"
+#include "contact/solve/forces/preload.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_preload {

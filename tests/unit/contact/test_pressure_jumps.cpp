@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/results/pressure_jumps.hpp"
+#include "contact/results/verdict/pressure_jumps.hpp"
 
 namespace cgcontact::test_pressure_jumps {
 namespace {

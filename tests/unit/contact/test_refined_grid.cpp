@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/model/model.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/input_errors.hpp"
 
 namespace cgcontact::test_refined_grid {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/adaptive_run.hpp"
-#include "contact/results/rigid_figures.hpp"
+#include "contact/results/figures/rigid_figures.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 

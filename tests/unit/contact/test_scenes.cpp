@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "contact/results/reference.hpp"
+#include "contact/results/reference/reference.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_scenes {

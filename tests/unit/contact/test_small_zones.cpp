@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "contact/model/gap_samples.hpp"
+#include "contact/groups/gap_samples.hpp"
 #include "contact/model/press_direction.hpp"
 #include "contact/preparation.hpp"
-#include "contact/solve/small_zones.hpp"
+#include "contact/solve/forces/small_zones.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact::test_small_zones {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "contact/simulation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact::test_solver_robustness {

@@ -5,7 +5,7 @@
 
 #include "contact/model/held_directions.hpp"
 #include "contact/preparation.hpp"
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/scene/face_traction.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"

@@ -2,10 +2,10 @@
 /// the cells that they ask for.
 #include <gtest/gtest.h>
 
-#include "contact/results/pair_figures.hpp"
-#include "contact/results/verdict.hpp"
+#include "contact/results/figures/pair_figures.hpp"
+#include "contact/results/verdict/verdict.hpp"
 #include "contact/simulation.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/support/scene_text.hpp"
 

@@ -5,12 +5,12 @@
 #include <random>
 #include <thread>
 
-#include "core/base/decompositions.hpp"
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/numbers/decompositions.hpp"
 #include "core/bodies/cad_body.hpp"
 #include "core/bodies/meridian.hpp"
 #include "core/geometry/profile.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/cad_parts.hpp"
 #include "tests/support/input_errors.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"

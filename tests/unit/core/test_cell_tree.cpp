@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cells/cells_around.hpp"
 #include "cut_cells_checks.hpp"
 

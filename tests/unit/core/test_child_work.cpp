@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <thread>
 
-#include "core/base/child_work.hpp"
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/process/child_work.hpp"
 #include "tests/support/input_errors.hpp"
 
 namespace cgcontact::test_child_work {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/csg_body.hpp"
 
 namespace cgcontact::test_csg {

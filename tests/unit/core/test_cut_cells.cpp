@@ -1,5 +1,5 @@
 // Cells of bodies: volumes and areas against formulas, moments, weights, coarse cells, boundary points.
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/cells/moments.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/base/decompositions.hpp"
+#include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact::test_decompositions {
 namespace {

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/scene/expression.hpp"
+#include "core/expressions/expression.hpp"
 #include "tests/support/input_errors.hpp"
 
 namespace cgcontact::test_expression {

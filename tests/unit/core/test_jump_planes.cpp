@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/scene/jump_planes.hpp"
+#include "core/expressions/jump_planes.hpp"
 
 namespace cgcontact::test_jump_planes {
 namespace {

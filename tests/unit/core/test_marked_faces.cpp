@@ -3,7 +3,7 @@
 #include <map>
 
 #include "core/drawing/marked_faces.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test_marked_faces {
 namespace {

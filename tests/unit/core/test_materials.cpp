@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/scene/material_library.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
+#include "core/scene_file/sections/material_library.hpp"
 
 namespace cgcontact::test_materials {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/meridian.hpp"
 #include "core/bodies/profile_body.hpp"
 

@@ -13,11 +13,11 @@
 #include <set>
 #include <sstream>
 
-#include "core/base/hdf_file.hpp"
-#include "core/base/text.hpp"
+#include "core/base/files/hdf_file.hpp"
+#include "core/base/files/text.hpp"
 #include "core/drawing/clip_cells.hpp"
 #include "core/output/output.hpp"
-#include "core/output/output_summary.hpp"
+#include "core/output/report/output_summary.hpp"
 #include "core/scene/displacement_field.hpp"
 #include "tests/support/input_errors.hpp"
 

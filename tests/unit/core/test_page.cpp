@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <regex>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 #include "core/drawing/face_chart.hpp"
-#include "core/output/output_page.hpp"
+#include "core/output/report/output_page.hpp"
 
 namespace cgcontact::test_page {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/parallel.hpp"
+#include "core/base/process/parallel.hpp"
 
 namespace cgcontact::test_parallel {
 namespace {

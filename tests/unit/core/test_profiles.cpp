@@ -2,7 +2,7 @@
 // refused.
 #include <algorithm>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/bodies/profile_body.hpp"
 #include "core/triangles/triangle_reader.hpp"

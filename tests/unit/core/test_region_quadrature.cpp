@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/base/root_search.hpp"
+#include "core/base/numbers/root_search.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 #include "core/quadrature/point_compression.hpp"
 #include "core/quadrature/region_quadrature.hpp"

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/base/errors.hpp"
-#include "core/base/memory.hpp"
-#include "core/base/resources.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/process/memory.hpp"
+#include "core/base/process/resources.hpp"
 
 namespace cgcontact::test_resources {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/base/suggest.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/base/errors/suggest.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test_scene {
 namespace {

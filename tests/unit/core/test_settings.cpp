@@ -8,8 +8,8 @@
 #include <map>
 #include <sstream>
 
-#include "core/base/errors.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test_settings {
 namespace {

@@ -1,7 +1,7 @@
 /// [steps] of the scene file.
 #include <gtest/gtest.h>
 
-#include "core/scene/read_scene.hpp"
+#include "core/scene_file/read_scene.hpp"
 
 namespace cgcontact::test_steps {
 namespace {

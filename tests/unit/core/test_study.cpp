@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <functional>
 
-#include "core/base/errors.hpp"
-#include "core/base/text.hpp"
-#include "core/output/output_study.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/files/text.hpp"
+#include "core/output/study/output_study.hpp"
 #include "core/program/child_process.hpp"
 #include "core/program/study_options.hpp"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <random>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/bodies/booleans.hpp"
 #include "core/bodies/triangle_body.hpp"
 #include "tests/support/triangle_shapes.hpp"

@@ -1,7 +1,7 @@
 // Defects of triangle surfaces: small ones are repaired and counted, others are refused with what and where.
 #include <gtest/gtest.h>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_crossings.hpp"
 #include "tests/support/triangle_shapes.hpp"

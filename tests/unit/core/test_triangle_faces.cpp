@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/geometry/solid.hpp"
 #include "tests/support/triangle_shapes.hpp"
 

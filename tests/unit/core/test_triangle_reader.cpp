@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/triangles/triangle_reader.hpp"
 #include "tests/support/triangle_shapes.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_repair.hpp"
 #include "tests/support/triangle_shapes.hpp"

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "core/scene/expression.hpp"
-#include "core/scene/read_scene.hpp"
+#include "core/expressions/expression.hpp"
+#include "core/scene_file/read_scene.hpp"
 #include "tests/support/input_errors.hpp"
 
 namespace cgcontact::test_units {

@@ -4,7 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/base/text.hpp"
+#include "core/base/files/text.hpp"
 #include "core/drawing/contact_fit.hpp"
 #include "core/drawing/sampled_cells.hpp"
 #include "core/drawing/thin_boundary.hpp"

@@ -8,7 +8,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "core/base/errors.hpp"
+#include "core/base/errors/errors.hpp"
 #include "kernels/mesh/dof_map.hpp"
 #include "tests/support/bodies.hpp"
 

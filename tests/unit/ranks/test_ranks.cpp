@@ -5,8 +5,8 @@
 #include <Tpetra_Core.hpp>
 #include <numeric>
 
-#include "core/base/errors.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/errors/errors.hpp"
+#include "core/base/process/ranks.hpp"
 #include "kernels/mesh/row_sums.hpp"
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/multigrid/surface_matrix.hpp"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/base/types.hpp"
+#include "core/base/numbers/types.hpp"
 #include "recovery/face/cosine_transform.hpp"
 #include "tests/support/execution_spaces.hpp"
 

@@ -1,0 +1,435 @@
+#include "contact/solve/floating/rigid_contact.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "contact/model/surface_normals.hpp"
+#include "core/base/numbers/decompositions.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Factor on the outer iteration's kappa E/h at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
+constexpr double softer = 0.01;
+/// Fraction of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press
+/// it.
+constexpr double along_faces = 1e-3;
+/// Fraction of the largest diagonal entry that is added: motions that nothing resists stay where they are.
+constexpr double regularisation = 1e-9;
+/// Fraction of their stiffness that open springs have in the first steps, so that a body which nothing presses yet is
+/// not sent off to where the first one stops it, and its factor per whole step.
+constexpr double open_at_first = 0.1, open_falls = 0.1;
+/// Fractions of the loads and contact forces: forces in balance, and the aim where rounding allows.
+constexpr double balanced = 1e-6, well_balanced = 1e-11;
+/// Fraction of the loads that the exact normals of one side may leave over.
+constexpr double max_load_left = 0.02;
+/// Steps; beyond `many_steps` what is balanced is good enough.
+constexpr int max_steps = 100, many_steps = 30, max_halvings = 80;
+
+/// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
+struct Spring {
+  int first = 0, second = -1;
+  NormalContact law;
+  RigidMotion row_first = RigidMotion::Zero(), row_second = RigidMotion::Zero();
+  double distance = 0;  ///< m
+  int first_point = 0, last_point = 0;
+
+  double change(const Eigen::VectorXd& motion) const {
+    double sum = row_first.dot(motion.segment<6>(6 * first));
+    if (second >= 0) sum += row_second.dot(motion.segment<6>(6 * second));
+    return sum;
+  }
+};
+
+struct SpringPoint {
+  double weight = 0, stress = 0;  ///< m^2, Pa
+};
+
+/// Rigid bodies between springs, under loads: convex and piecewise quadratic.
+struct BodiesOnSprings {
+  std::vector<Spring> springs;
+  std::vector<SpringPoint> points;
+  Eigen::VectorXd load, motion;
+
+  /// Returns the force of one spring, N, and the area that presses, m^2.
+  std::pair<double, double> press(const Spring& s, double gap) const {
+    double force = 0, area = 0;
+    for (int q = s.first_point; q < s.last_point; ++q) {
+      const double p = s.law.closed_pressure(points[q].stress, gap);
+      if (!s.law.is_closed(p)) continue;
+      force += points[q].weight * p;
+      area += points[q].weight;
+    }
+    return {force, area};
+  }
+  double gap(const Spring& s) const { return s.distance + s.change(motion); }
+  /// Moves the bodies to the minimum. True: the forces are in balance.
+  bool solve();
+  Eigen::VectorXd unbalanced() const;
+
+ private:
+  Eigen::VectorXd newton_step(const Eigen::VectorXd& force, double open) const;
+  double step_length(const Eigen::VectorXd& step) const;
+  double scale() const;
+};
+
+/// Sum of all forces on the bodies.
+Eigen::VectorXd BodiesOnSprings::unbalanced() const {
+  Eigen::VectorXd sum = load;
+  for (const Spring& s : springs) {
+    const double force = press(s, gap(s)).first;
+    if (force == 0) continue;
+    sum.segment<6>(6 * s.first) += force * s.row_first;
+    if (s.second >= 0) sum.segment<6>(6 * s.second) += force * s.row_second;
+  }
+  return sum;
+}
+
+double BodiesOnSprings::scale() const {
+  double sum = load.norm();
+  for (const Spring& s : springs) sum += std::abs(press(s, gap(s)).first);
+  return sum;
+}
+
+/// Returns a Newton step; open: fraction of their stiffness that open springs have.
+Eigen::VectorXd BodiesOnSprings::newton_step(const Eigen::VectorXd& force, double open) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Eigen::Matrix<double, 6, 6>> diagonal(load.size() / 6, Eigen::Matrix<double, 6, 6>::Zero());
+  const auto add = [&](int i, int j, const Eigen::Matrix<double, 6, 6>& block) {
+    for (int r = 0; r < 6; ++r)
+      for (int c = 0; c < 6; ++c) entries.emplace_back(6 * i + r, 6 * j + c, block(r, c));
+  };
+  double largest = 0;  // of one spring, so that there is one if none acts
+  for (const Spring& s : springs) {
+    double all = 0;
+    for (int q = s.first_point; q < s.last_point; ++q) all += points[q].weight;
+    largest = std::max(largest, s.law.k * all);
+    const double pressing = press(s, gap(s)).second;
+    const double k = s.law.k * (pressing + open * (all - pressing));
+    if (k == 0) continue;
+    diagonal[s.first] += k * s.row_first * s.row_first.transpose();
+    if (s.second < 0) continue;
+    diagonal[s.second] += k * s.row_second * s.row_second.transpose();
+    const Eigen::Matrix<double, 6, 6> between = k * s.row_first * s.row_second.transpose();
+    add(s.first, s.second, between);
+    add(s.second, s.first, between.transpose());
+  }
+  for (std::size_t b = 0; b < diagonal.size(); ++b) {
+    diagonal[b].diagonal().array() += regularisation * largest;
+    add(static_cast<int>(b), static_cast<int>(b), diagonal[b]);
+  }
+  Eigen::SparseMatrix<double> matrix(load.size(), load.size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(force);
+}
+
+/// Returns the position of least energy along the step, up to its end: the slope of the energy grows.
+double BodiesOnSprings::step_length(const Eigen::VectorXd& step) const {
+  std::vector<std::pair<double, double>> gaps;  // now, and its change along the step
+  gaps.reserve(springs.size());
+  for (const Spring& s : springs) gaps.emplace_back(gap(s), s.change(step));
+  const double work = load.dot(step);
+  const auto slope = [&](double t) {
+    double sum = -work;
+    for (std::size_t k = 0; k < springs.size(); ++k)
+      if (gaps[k].second != 0) sum -= press(springs[k], gaps[k].first + t * gaps[k].second).first * gaps[k].second;
+    return sum;
+  };
+  double low = 0, high = 1;
+  if (slope(high) <= 0) return high;
+  for (int k = 0; k < max_halvings && high - low > 1e-12 * high; ++k) {
+    const double middle = 0.5 * (low + high);
+    (slope(middle) <= 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+bool BodiesOnSprings::solve() {
+  double open = open_at_first;
+  for (int k = 0; k < max_steps; ++k) {
+    const Eigen::VectorXd now = unbalanced();
+    if (now.norm() <= (k < many_steps ? well_balanced : balanced) * scale()) return true;
+    const Eigen::VectorXd step = newton_step(now, open);
+    if (!step.allFinite()) return false;
+    const double length = step_length(step);
+    motion += length * step;
+    if (length == 1) open = std::max(open_falls * open, regularisation);
+  }
+  return unbalanced().norm() <= balanced * scale();
+}
+
+/// Spring of a contact group along directions at its points, without these.
+template <class DirectionAt>
+Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& components,
+                    const DirectionAt& direction_at) {
+  Spring spring;
+  spring.first = pair.primary;
+  spring.second = pair.secondary;
+  spring.law = pair.law(group);
+  for (int q = group.first_point; q < group.last_point; ++q) {
+    const Vec3 x = pair.points.x(q), direction = direction_at(q);
+    const double share = pair.points.weight(q) / group.area;
+    // p acts on the primary body against its normal.
+    spring.row_first -= share * components[pair.primary].row(x, direction);
+    spring.row_second += share * components[pair.secondary].row(x, direction);
+  }
+  return spring;
+}
+
+Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& components) {
+  return spring_along(pair, group, components, [&](int q) { return pair.points.direction(q); });
+}
+
+/// Columns that span what a support's resistance leaves free, as a projection.
+Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>& resistance) {
+  const Eigen::MatrixXd free = motions_not_resisted(resistance);
+  return free * free.transpose();
+}
+
+}  // namespace
+
+bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                   std::vector<ContactPair>& pairs) {
+  const std::vector<RigidComponent> components = whole_bodies(bodies).list;
+  BodiesOnSprings rigid;
+  rigid.load = loads_on(bodies, components).first;
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  const auto add = [&](Spring spring, double area) {
+    spring.first_point = static_cast<int>(rigid.points.size());
+    rigid.points.push_back({area, 0});
+    spring.last_point = static_cast<int>(rigid.points.size());
+    rigid.springs.push_back(spring);
+  };
+  double stiffest = 0;
+  for (const ContactPair& pair : pairs) {
+    for (const ContactGroup& group : pair.groups) {
+      stiffest = std::max(stiffest, pair.stiffness(group));
+      Spring spring = spring_of(pair, group, components);
+      spring.law.k *= softer;
+      spring.distance = group.initial_gap;
+      add(spring, group.area);
+    }
+  }
+  const std::size_t num_normal = rigid.springs.size();
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& group : pair.groups)
+      for (int i = 0; i < pair.num_tangents; ++i) {
+        Spring spring = spring_along(pair, group, components, [&](int q) { return pair.tangents(q)[i]; });
+        spring.law = {along_faces * softer * spring.law.k, true};
+        add(spring, group.area);
+      }
+  for (const SupportPoint& p : supports) {
+    if (p.follows) continue;
+    Spring spring;
+    spring.first = p.body;
+    spring.row_first = components[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    spring.law = {stiffest, true};
+    spring.distance = -p.value;
+    add(spring, p.weight);
+  }
+  if (!rigid.solve()) return false;
+  rigid.springs.resize(num_normal);
+  auto spring = rigid.springs.begin();
+  for (ContactPair& pair : pairs)
+    for (const ContactGroup& group : pair.groups) {
+      const bool closed = rigid.gap(*spring++) < 0 || pair.bonded();
+      for (int q = group.first_point; q < group.last_point; ++q) pair.points.set_active(q, closed);
+    }
+  return true;
+}
+
+FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                               const std::vector<ContactPair>& pairs)
+    : bodies_(bodies), pairs_(pairs), components_(whole_bodies(bodies).list) {
+  std::vector<Resistance> held(bodies.size(), Resistance::Zero());
+  const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
+  const auto add = [&](const SupportPoint& p) { add_resistance(p, components_, bodies, assembly, held); };
+  for (const SupportPoint& p : supports)
+    if (!p.follows) add(p);
+  // A body that supports carry and that only spins (a ball held along its normals): what follows the spin holds it.
+  std::vector<char> carried;
+  for (const auto& resistance : held)
+    carried.push_back(eigenvalues(resistance.topLeftCorner<3, 3>())[0] >
+                      1e-3 * resistance.topLeftCorner<3, 3>().trace());
+  for (const SupportPoint& p : supports)
+    if (p.follows && carried[p.body]) add(p);
+  for (const auto& resistance : held) {
+    free_.push_back(projection_on_free(resistance));
+    any_ |= floats(static_cast<int>(free_.size()) - 1);
+  }
+  if (!any_) return;
+  find_loaded();
+  const std::vector<DisplacementDriven> led = displacement_driven_pairs();
+  if (std::count(led.begin(), led.end(), DisplacementDriven::squeezed) > 0) hold_along_surfaces(supports);
+}
+
+bool FloatingBodies::floats(int body) const { return free_[body].norm() > 0.5; }
+
+void FloatingBodies::find_loaded() {
+  loaded_.assign(bodies_.size(), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    each_force(bodies_[b], [&](int, const Vec3&, const Vec3&, const Vec3& force) { loaded_[b] |= !force.isZero(0); });
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const ContactPair& pair : pairs_) {
+      if (!floats(pair.primary) || !floats(pair.secondary) || loaded_[pair.primary] == loaded_[pair.secondary])
+        continue;
+      loaded_[pair.primary] = loaded_[pair.secondary] = changed = true;
+    }
+  }
+}
+
+void FloatingBodies::hold_along_surfaces(const std::vector<SupportPoint>& supports) {
+  std::vector<SupportPoint> own;
+  for (const SupportPoint& p : supports)
+    if (!p.follows) own.push_back(p);
+  SurfaceMotions motions = find_surface_motions(bodies_, own, pairs_);
+  motions.own.add(motions.others);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!floats(static_cast<int>(b)) || loaded_[b]) continue;
+    const Eigen::MatrixXd along = motions.own.modes.middleRows<6>(6 * static_cast<Eigen::Index>(b));
+    free_[b] = projection_on_free(Eigen::Matrix<double, 6, 6>::Identity() - free_[b] + along * along.transpose());
+  }
+}
+
+std::vector<DisplacementDriven> FloatingBodies::displacement_driven_pairs() const {
+  std::vector<DisplacementDriven> led;
+  for (const ContactPair& pair : pairs_) {
+    const auto driven = [&](int body) { return floats(body) && loaded_[body]; };
+    const bool held = !floats(pair.primary) && !floats(pair.secondary);
+    // Line contact has no approach of its own: its bodies give it.
+    const bool line = bodies_[pair.primary].spec->quadtree;
+    // The law of small zones knows no friction.
+    const bool other_law = pair.bonded() || pair.num_tangents > 0;
+    led.push_back(line || other_law                                ? DisplacementDriven::no
+                  : held                                           ? DisplacementDriven::held
+                  : driven(pair.primary) || driven(pair.secondary) ? DisplacementDriven::no
+                                                                   : DisplacementDriven::squeezed);
+  }
+  return led;
+}
+
+/// On the motions that are free.
+Eigen::VectorXd FloatingBodies::load() const {
+  Eigen::VectorXd load = loads_on(bodies_, components_).first;
+  for (std::size_t b = 0; b < components_.size(); ++b)
+    load.segment<6>(6 * b) = free_[b] * load.segment<6>(6 * b).eval();
+  return load;
+}
+
+std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) const {
+  constexpr double opens = 0.05;  // of the fastest point of a pair
+  std::vector<char> open(pairs_.size(), 0);
+  if (motions.empty()) return open;
+  const Eigen::VectorXd motion = motions.modes * (motions.modes.transpose() * load());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const ContactPair& pair = pairs_[k];
+    const RigidMotion first = motion.segment<6>(6 * pair.primary), second = motion.segment<6>(6 * pair.secondary);
+    double slowest = 1e300, fastest = 0;
+    for (const ContactPoint& q : pair.points) {
+      const double rate = components_[pair.secondary].row(q.x, q.normal).dot(second) -
+                          components_[pair.primary].row(q.x, q.normal).dot(first);
+      slowest = std::min(slowest, rate);
+      fastest = std::max(fastest, std::abs(rate));
+    }
+    open[k] = !pair.bonded() && fastest > 0 && slowest > opens * fastest;
+  }
+  return open;
+}
+
+FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
+  BodiesOnSprings rigid;
+  rigid.load = load();
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  const std::vector<SurfaceNormals> normals(bodies_.begin(), bodies_.end());
+  for (const ContactPair& pair : pairs_)
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring;
+      spring.first = pair.primary;
+      spring.second = pair.secondary;
+      spring.law = pair.law(group);
+      for (int q = group.first_point; q < group.last_point; ++q) {
+        const ContactPoint point = pair.points[q];
+        Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
+        if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
+        if (pair.bonded()) n = point.direction;
+        const double share = point.weight / group.area;
+        spring.row_first += share * free_[pair.primary] * components_[pair.primary].row(point.x, n);
+        spring.row_second -= share * free_[pair.secondary] * components_[pair.secondary].row(point.x, n);
+      }
+      for (int i = 0; i < pair.num_tangents; ++i) {
+        Spring along = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; });
+        along.law.bonded = true;
+        along.row_first = free_[pair.primary] * along.row_first.eval();
+        along.row_second = free_[pair.secondary] * along.row_second.eval();
+        along.first_point = static_cast<int>(rigid.points.size());
+        rigid.points.push_back({group.area, 0});
+        along.last_point = static_cast<int>(rigid.points.size());
+        rigid.springs.push_back(along);
+      }
+      spring.distance = group.initial_gap;
+      spring.first_point = static_cast<int>(rigid.points.size());
+      rigid.points.push_back({group.area, 0});
+      spring.last_point = static_cast<int>(rigid.points.size());
+      rigid.springs.push_back(spring);
+    }
+  FreeMotions moving;
+  if (rigid.solve() || rigid.unbalanced().norm() <= max_load_left * rigid.load.norm()) return moving;
+  moving.bodies = components_;
+  moving.modes = rigid.unbalanced().normalized();
+  return moving;
+}
+
+FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
+                                                const SmallZones& small_zones,
+                                                const std::vector<FrictionRow>& friction) const {
+  BodiesOnSprings rigid;
+  rigid.load = load();
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  auto lagged = stress.begin();
+  for (const ContactPair& pair : pairs_) {
+    const int first_point = static_cast<int>(rigid.points.size());
+    for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), *lagged++});
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring = spring_of(pair, group, components_);
+      spring.row_first = free_[pair.primary] * spring.row_first.eval();
+      spring.row_second = free_[pair.secondary] * spring.row_second.eval();
+      spring.distance = gap[rigid.springs.size()];
+      spring.first_point = first_point + group.first_point;
+      spring.last_point = first_point + group.last_point;
+      if (const ZoneSpring zone = small_zones.spring(rigid.springs.size()); !zone.points.empty()) {
+        spring.law.k = zone.stiffness;
+        spring.first_point = static_cast<int>(rigid.points.size());
+        for (const auto& [weight, at_no_gap] : zone.points) rigid.points.push_back({weight, at_no_gap});
+        spring.last_point = static_cast<int>(rigid.points.size());
+      }
+      rigid.springs.push_back(spring);
+    }
+  }
+  for (const FrictionRow& row : friction) {
+    const ContactPair& pair = pairs_[row.pair];
+    Spring spring = spring_along(pair, pair.groups[row.group], components_, [&](int q) {
+      const std::array<Vec3, 2> along = pair.tangents(q);
+      return Vec3(row.along[0] * along[0] + row.along[1] * along[1]);
+    });
+    spring.row_first = free_[pair.primary] * spring.row_first.eval();
+    spring.row_second = free_[pair.secondary] * spring.row_second.eval();
+    spring.law = {row.linear.stiffness, true};
+    spring.distance = gap[rigid.springs.size()];
+    spring.first_point = static_cast<int>(rigid.points.size());
+    rigid.points.push_back({1, row.linear.at(0)});
+    spring.last_point = static_cast<int>(rigid.points.size());
+    rigid.springs.push_back(spring);
+  }
+  Balance result;
+  result.found = rigid.solve();
+  for (std::size_t b = 0; b < components_.size(); ++b) result.motions.emplace_back(rigid.motion.segment<6>(6 * b));
+  if (!result.found) {
+    result.unbalanced.bodies = components_;
+    result.unbalanced.modes = rigid.unbalanced().normalized();
+  }
+  return result;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,88 @@
+/// Friction in the outer iteration: Coulomb's law with the recovered shear and the bound mu p lagged, like the
+/// pressure. With both fixed the energy is convex; each iteration takes one Newton step with an exact line search, then
+/// renews them (docs/theory.md). Closed points stick at the start of every load step until the recovered stress
+/// settles; a step remembers where they stuck at the end of the last one.
+#pragma once
+
+#include <Kokkos_DualView.hpp>
+
+#include "contact/kernels/friction_kernels.hpp"
+#include "contact/solve/forces/outer_problem.hpp"
+#include "core/geometry/symmetry_plane.hpp"
+
+namespace cgcontact {
+
+/// Row of friction on the host.
+struct FrictionRow {
+  std::size_t pair, group;  ///< group: of the pair
+  double along[2];          ///< its direction at a point, by the tangents there
+  ZoneForce linear;
+};
+
+class Friction {
+ public:
+  explicit Friction(const OuterProblem& problem);
+
+  bool any() const { return arrays_.num_groups() > 0; }
+  /// Returns the first row of friction, which come after those of all contact groups.
+  int first_row() const { return first_row_; }
+  int num_rows() const { return static_cast<int>(arrays_.linear.extent(0)); }
+  const FrictionArrays<MemSpace>& arrays() const { return arrays_; }
+
+  /// Resets slip and shear to zero.
+  void forget();
+  /// Makes closed points stick, until release(). change: as below, from which gaps close in this step.
+  void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  bool is_stuck() const { return stuck_; }
+  void release() { stuck_ = false; }
+
+  /// Pressures of the last solution. change: of the gaps of all rows, m.
+  void take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
+  /// Renews bounds, and forces that are linear about the present slip. True: rows of the system have turned.
+  bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  /// Returns the distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while
+  /// points are held. RMS over the area.
+  double residual() const { return stuck_ ? 1 : residual_; }
+  /// Returns, for pairs all of whose closed points slip while the loads exceed what friction carries
+  /// (use_of_friction()) by the same from iteration to iteration, that excess relative to it. 0: the pair holds.
+  const std::vector<double>& sliding() const { return sliding_; }
+
+  /// Adds rows of friction to excess_forces(): by the law at start + t along, less the linear forces. All: of all rows,
+  /// m, N.
+  void add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along, double t,
+                  const RealView& excess) const;
+  std::vector<FrictionRow> rows() const;
+  /// Puts in the linear forces as those of groups that have no points, behind all others.
+  void put_into(const ContactGroupArrays<MemSpace>& groups) const;
+
+  /// Ends the load step: points stick where they are now. change: as above.
+  void end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  /// Returns the state of every pair, as after the next end_step().
+  std::vector<FrictionPoints> state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
+
+  /// t* of the points of all pairs with friction, in turn, in Scales::stress: two components, by tangents.
+  using Stress = Kokkos::DualView<double* [2], Kokkos::LayoutRight, ExecSpace>;
+  Stress stress;
+
+ private:
+  struct Now;
+  Now now(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
+  void turn_rows();
+  void take_drifts(const ContactGroupArrays<MemSpace>& groups) const;
+  void look_for_sliding(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  std::vector<FrictionPoints> with_step(const Now& state) const;
+  RealView of_friction(const RealView& all) const;
+
+  OuterProblem problem_;
+  FrictionArrays<MemSpace> arrays_;
+  std::vector<TangentFrame> frames_;                ///< those that the rows of the system have
+  std::vector<std::vector<SymmetryPlane>> planes_;  ///< of symmetry, of each pair
+  int first_row_ = 0;
+  bool stuck_ = true;
+  bool new_step_ = true;  ///< a step may be solved several times, under several preloads
+  double residual_ = 1;
+  std::vector<double> sliding_, asked_;  ///< of each pair
+  std::vector<FrictionPoints> history_;  ///< of each pair, with the steps that have ended
+};
+
+}  // namespace cgcontact
