@@ -95,10 +95,10 @@ std::optional<double> missing_factor(const AccuracyOptions& options, const Solve
 }
 
 /// Errors of a solve over their targets, seen from the next one: a pressure that changes by more than its estimate was
-/// off by about the change. Infinite: not known.
+/// off by about the change. Infinite: not known, or zones that are not resolved while those of the next one are.
 double factor_seen_from(const AccuracyOptions& options, const SolveFigures& solve, const SolveFigures& next) {
   const auto factor = missing_factor(options, solve);
-  if (!factor) return std::numeric_limits<double>::infinity();
+  if (!factor || (next.pressure && !solve.pressure)) return std::numeric_limits<double>::infinity();
   return options.pressure && next.change ? std::max(*factor, *next.change / *options.pressure) : *factor;
 }
 

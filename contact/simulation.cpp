@@ -225,7 +225,7 @@ void Simulation::estimate_errors() {
 /// Warns of what may be wrong with a solution that converged.
 void Simulation::warn_of_results() {
   for (const auto& warnings :
-       {small_strain_warnings(state, results.contact_rows),
+       {results.verdict.notes, small_strain_warnings(state, results.contact_rows),
         lost_force_warnings(state, results.contact_rows, results.pairs), unclear_gap_warnings(state, results.pairs),
         coarse_facet_warnings(state), friction_warnings(state)})
     for (const std::string& warning : warnings) add_warning(results, warning);

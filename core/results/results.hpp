@@ -195,7 +195,8 @@ struct Verdict {
     State closed_state() const { return of_closed.value_or(state); }
   };
   State state = State::resolved;
-  std::string text;  ///< one sentence
+  std::string text;                ///< one sentence
+  std::vector<std::string> notes;  ///< places where the pressure is wrong, but that carry next to nothing
   std::vector<Pair> pairs;
   double spring_share =
       0;  ///< the fraction of a push on a body that springs take beside contact, where it is too large

@@ -108,27 +108,32 @@ std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, co
   for (auto& [key, face] : faces) face.build();
 
   std::vector<Around> around(rows.size());
-  std::vector<double> excess(rows.size(), 0.0);  // beyond what is allowed, Pa
+  std::vector<double> outside(rows.size(), 0.0), excess(rows.size(), 0.0);  // of the range, of what is allowed, Pa
   parallel_for("cgcontact::pressure_jumps::around", rows.size(), grain_of_medium, [&](std::size_t i) {
     const ContactRow& row = rows[i];
     const double largest = max_pressures[row.pair];
     if (!row.active || !(largest > 0)) return;
     around[i] = faces.at({row.pair, row.body}).within(row.x, options.spoilt_at_edge * row.larger_cell);
     if (!around[i].closed) return;
-    const double outside = std::max(around[i].least - row.pressure_sprc, row.pressure_sprc - around[i].most);
-    excess[i] = outside - around[i].difference - options.largest_jump * largest;
+    outside[i] = std::max(around[i].least - row.pressure_sprc, row.pressure_sprc - around[i].most);
+    excess[i] = outside[i] - around[i].difference - options.largest_jump * largest;
   });
 
   std::vector<PressureJump> jumps;
   for (std::size_t pair = 0; pair < max_pressures.size(); ++pair) {
-    double worst = 0;
+    double worst = 0, wrong = 0, force = 0;  // Pa, N, N
     PressureJump jump;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].pair != static_cast<int>(pair) || !(excess[i] > worst)) continue;
+      if (rows[i].pair != static_cast<int>(pair)) continue;
+      force += rows[i].weight * std::abs(rows[i].pressure_sprc);
+      if (excess[i] > 0) wrong += rows[i].weight * outside[i];
+      if (!(excess[i] > worst)) continue;
       worst = excess[i];
       jump = {rows[i].pair, rows[i].x, rows[i].pressure_sprc, around[i].least, around[i].most, rows[i].larger_cell};
     }
-    if (worst > 0) jumps.push_back(jump);
+    if (!(worst > 0)) continue;
+    jump.force_fraction = wrong / force;
+    jumps.push_back(jump);
   }
   return jumps;
 }

@@ -16,6 +16,9 @@ struct PressureJump {
   double pressure = 0;                       ///< Pa, recovered by SPR-C
   double around_least = 0, around_most = 0;  ///< Pa, range of the others within ResultOptions::spoilt_at_edge cells
   double cell = 0;                           ///< m, size of the larger cell there
+  double force_fraction = 0;                 ///< of the pair's force, by which all such points of it leave the range
+  /// Returns whether the largest pressure of the pair may be this point's.
+  bool is_spike() const { return pressure > around_most; }
 };
 
 /// Finds one for each pair that has any. A row is examined if all rows of its face within ResultOptions::spoilt_at_edge

@@ -67,6 +67,11 @@ double min_cells_across(const SolvedState& state, int pair) {
   return on_face ? options.min_cells_on_face : options.min_cells_across;
 }
 
+/// Returns whether neither the force nor the largest pressure of its pair is wrong by a jump.
+bool decides_nothing(const PressureJump& jump) {
+  return !jump.is_spike() && jump.force_fraction < relevant_force_fraction;
+}
+
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
                                 const std::vector<MissedOverlap>& missed, const std::vector<UnclearGap>& unclear,
                                 const std::vector<PressureJump>& jumps) {
@@ -100,7 +105,7 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       j.pair.cell_size_needed = gap.cell * refinement_to_tell(gap.gap, gap.error);
     }
     for (const PressureJump& jump : jumps) {
-      if (jump.pair != static_cast<int>(p) || j.pair.state != State::resolved) continue;
+      if (jump.pair != static_cast<int>(p) || j.pair.state != State::resolved || decides_nothing(jump)) continue;
       j.jump = &jump;
       j.pair.state = State::not_resolved;
       j.pair.cell_size_needed = jump.cell / 2;
@@ -133,6 +138,13 @@ std::string unclear_text(const std::string& name, const UnclearGap& gap) {
       name, gap.gap, gap.x[0], gap.x[1], gap.x[2], gap.error);
 }
 
+std::string jump_text(const std::string& name, const PressureJump& jump) {
+  return fmt::format(
+      "the recovered pressure of \"{}\" is {:.3g} Pa at ({:.4g}, {:.4g}, {:.4g}) m, where the finite element stress, "
+      "plain SPR and the transmitted forces have {:.3g} to {:.3g} Pa around: it cannot be relied on there",
+      name, jump.pressure, jump.x[0], jump.x[1], jump.x[2], jump.around_least, jump.around_most);
+}
+
 std::string unresolved_text(const SolvedState& state, const Judged& j) {
   if (j.unclear)
     return fmt::format("{}: cells of {:.2g} m or less are needed", unclear_text(j.pair.name, *j.unclear),
@@ -148,12 +160,8 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
         "resolved; cells of {:.2g} m or less are needed in it",
         state.scene.bodies[j.thin_body].name, j.thickness, j.pair.name, *j.pair.cell_size_needed);
   if (j.jump)
-    return fmt::format(
-        "the recovered pressure of \"{}\" is {:.3g} Pa at ({:.4g}, {:.4g}, {:.4g}) m, where the finite element stress, "
-        "plain SPR and the transmitted forces have {:.3g} to {:.3g} Pa around: it cannot be relied on there; cells of "
-        "{:.2g} m or less are needed",
-        j.pair.name, j.jump->pressure, j.jump->x[0], j.jump->x[1], j.jump->x[2], j.jump->around_least,
-        j.jump->around_most, *j.pair.cell_size_needed);
+    return fmt::format("{}; cells of {:.2g} m or less are needed", jump_text(j.pair.name, *j.jump),
+                       *j.pair.cell_size_needed);
   return fmt::format(
       "the contact zone of \"{}\" is {:.2g} cells across: its pressure, area and error estimates cannot be relied on; "
       "cells of {:.2g} m or less in both bodies are needed",
@@ -201,6 +209,10 @@ Verdict judge(const SolvedState& state, const Results& results) {
                                               : std::vector<PressureJump>();
   const std::vector<UnclearGap> unclear = unclear_gaps(state, results.pairs);
   std::vector<Judged> pairs = judge_pairs(state, results, missed, unclear, jumps);
+  for (const PressureJump& jump : jumps)
+    if (decides_nothing(jump))
+      verdict.notes.push_back(fmt::format("{} ({:.2g} % of its force)", jump_text(results.pairs[jump.pair].name, jump),
+                                          100 * jump.force_fraction));
   const double largest = largest_pressing_force(results.pairs);
   for (Judged& j : pairs) {
     if (j.unclear && j.force < relevant_force_fraction * largest) {  // next to nothing, if they do

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "tests/support/run_scene.hpp"
 
@@ -69,6 +70,53 @@ TEST(ForceEstimate, BoundsTheErrorOfTheForceUnderLoads) {
     const PairFigures& pair = solved->results().pairs[0];
     EXPECT_LE(std::abs(pair.force_on_first.norm() / *solved->scene.reference.force - 1), *pair.force_error_estimate);
   }
+}
+
+/// Two blocks of length 1 and area 1 between walls that overlap by 1e-4; nu = 0, so that all is linear.
+const char* const blocks = R"(
+[[body]]
+name = "low"
+shape = {box = {min = [0, 0, 0], max = [1, 1, 1]}}
+material = {E = 1e9, nu = 0}
+cell_size = 0.13
+grid = {offset = [0.2, 0.3, 0.6]}
+[[body]]
+name = "up"
+shape = {box = {min = [0, 0, 1], max = [1, 1, 2]}}
+material = {E = 1e9, nu = 0}
+cell_size = 0.11
+grid = {offset = [0.7, 0.1, 0.4]}
+[[support]]
+face = "low.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "up.z+"
+displacement = {x = 0, y = 0, z = 0}
+[[contact]]
+faces = ["low.z+", "up.z-"]
+interference = 1e-4
+)";
+
+// A bar of length 2: E A / 2. Supports and contact give way by h / (kappa E) each, less than a tenth of it.
+TEST(ForceEstimate, ApproachOfTwoBlocksIsThatOfABar) {
+  const auto solved = test::run_text(blocks);
+  const std::vector<Approach>& approaches = solved->simulation->state.approaches;
+  ASSERT_EQ(approaches.size(), 1u);
+  EXPECT_LE(approaches[0].stiffness, 0.5e9);
+  EXPECT_GE(approaches[0].stiffness, 0.45e9);
+  const Scales& scales = solved->simulation->state.scales;
+  const double energy = approaches[0].stiffness / (scales.stress * scales.length);
+  double error = 0;
+  for (const std::vector<double>& body : approaches[0].error_of_cell)
+    error += std::accumulate(body.begin(), body.end(), 0.0);
+  EXPECT_LT(error, 1e-3 * energy);  // the tolerance of its linear solve is 1e-2 of the forces
+}
+
+TEST(ForceEstimate, NoApproachWhereTheLoadsGiveTheForce) {
+  const auto solved =
+      test::run_text(blocks, {"support.1.displacement={x = 0, y = 0}", "load=[{face = \"up.z+\", pressure = 1e5}]"});
+  EXPECT_TRUE(solved->simulation->state.approaches.empty());
+  EXPECT_EQ(solved->results().pairs[0].force_error_estimate, 0.0);
 }
 
 }  // namespace

@@ -46,12 +46,21 @@ TEST(PressureJumps, FindsAHoleAndItsPosition) {
   EXPECT_LE((jumps[0].x - position).norm(), h);
   EXPECT_NEAR(jumps[0].pressure, 0.6 * p0, 0.03 * p0);  // the zone falls by 3 % within three cells of its middle
   EXPECT_GT(jumps[0].around_least, 0.9 * p0);
+  EXPECT_FALSE(jumps[0].is_spike());
+  double wrong = 0, force = 0;  // the others have 0.93 p0 or more within 1.5 cells
+  for (const ContactRow& row : rows) {
+    force += row.weight * row.pressure_sprc;
+    if ((row.x - position).norm() < h) wrong += row.weight * (0.93 * p0 - row.pressure_sprc);
+  }
+  EXPECT_NEAR(jumps[0].force_fraction, wrong / force, 0.2 * wrong / force);
 }
 
 TEST(PressureJumps, FindsASpike) {
   std::vector<ContactRow> rows = round_zone();
   change_near(rows, Vec3::Zero(), 1.2);
-  EXPECT_EQ(pressure_jumps(rows, {1.2 * p0}, options).size(), 1u);
+  const std::vector<PressureJump> jumps = pressure_jumps(rows, {1.2 * p0}, options);
+  ASSERT_EQ(jumps.size(), 1u);
+  EXPECT_TRUE(jumps[0].is_spike());
 }
 
 // Where the finite element stress and plain SPR are unsure by as much themselves, nothing tells which one is right.
