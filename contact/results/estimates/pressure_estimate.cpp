@@ -141,12 +141,16 @@ class LocalMean {
   std::map<double, Surroundings> surroundings_;  ///< by the rows' larger cells: few sizes
 };
 
+/// Parts of the estimated error of a pair's force, relative: by the errors of the bodies, and by gaps left.
+struct ForceError {
+  double by_energy = 0, by_gaps = 0;
+};
+
 /// Returns the estimated error of a pair's force for that force; nothing where it has no approach. The error is the
 /// energy product of the errors of both solutions (Gonzalez-Estrada, Nadal, Rodenas et al., Comput. Mech. 53 (2014)
-/// 957), at most the sum over cells of the products of their norms, and
-/// the work of the approach's pressure, taken to be like the solution's, on the gaps that are left between closed
-/// points: contact holds in the mean over cells only.
-std::optional<double> error_by_approach(const SolvedState& state, const Results& results, int pair, double normal) {
+/// 957), at most the sum over cells of the products of their norms, and the work of the approach's pressure, taken to
+/// be like the solution's, on the gaps that are left between closed points: contact holds in the mean over cells only.
+std::optional<ForceError> error_by_approach(const SolvedState& state, const Results& results, int pair, double normal) {
   const auto found = std::find_if(state.approaches.begin(), state.approaches.end(),
                                   [&](const Approach& approach) { return approach.pair == pair; });
   if (found == state.approaches.end() || !(normal > 0)) return std::nullopt;
@@ -159,7 +163,7 @@ std::optional<double> error_by_approach(const SolvedState& state, const Results&
   for (const ContactRow& row : results.contact_rows)
     if (row.pair == pair && row.active && std::isfinite(row.gap))
       work += row.weight * std::abs(row.pressure_sprc * row.gap);
-  return sum / state.scales.length / normal + work / 2 * found->stiffness / (normal * normal);
+  return ForceError{sum / state.scales.length / normal, work / 2 * found->stiffness / (normal * normal)};
 }
 
 /// Errors of the rows whose pressure is that of the stress, Pa; 0 at others.
@@ -191,10 +195,10 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     const bool touches = figures.active_points > 0;
     const double open = open_force[p].fraction;
     figures.force_given_by_loads = open_force[p].given_by_loads;
-    const double energy_error =
-        error_by_approach(state, results, pair, normal[p]).value_or(std::pow(results.estimated_error_relative, 2));
+    const auto [energy_error, gap_error] = error_by_approach(state, results, pair, normal[p])
+                                               .value_or(ForceError{std::pow(results.estimated_error_relative, 2), 0});
     if (touches && (open == 0 || verdict.closed_state() != Verdict::State::not_resolved))
-      figures.force_error_estimate = open * energy_error;
+      figures.force_error_estimate = open * (energy_error + gap_error);
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
     const std::vector<char> away = rows_away_from_contact(rows, pair);
