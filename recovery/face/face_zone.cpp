@@ -126,11 +126,15 @@ void each_near(const FaceGrid& grid, double distance, int axis, int patch, const
   }
 }
 
-/// Change of the gap's curvature along the axes within a cell of each patch, times a cell: of fillets and other faces
-/// that end, not of balls and cylinders.
-std::vector<double> changes_of_curvature(const FaceZone& zone) {
+/// Changes of the gap's curvature along the axes within a cell of each patch: of fillets and other faces that end; of
+/// balls and cylinders it is a small fraction.
+struct CurvatureChanges {
+  std::vector<double> change;    ///< times a cell
+  std::vector<double> fraction;  ///< of the largest curvature around, at most 1
+};
+CurvatureChanges changes_of_curvature(const FaceZone& zone) {
   const FaceGrid& grid = zone.grid;
-  std::vector<double> changes(grid.num_patches(), 0.0);
+  CurvatureChanges changes{std::vector<double>(grid.num_patches(), 0.0), std::vector<double>(grid.num_patches(), 0.0)};
   for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
     const int step = steps_in(grid, a, 0.25 * zone.h);
     const double length = step * grid.spacing[a];
@@ -147,15 +151,17 @@ std::vector<double> changes_of_curvature(const FaceZone& zone) {
       each_near(grid, zone.h, a, n, [&](int m) {
         if (known[m]) least = std::min(least, curvature[m]), most = std::max(most, curvature[m]);
       });
-      changes[n] = std::max(changes[n], most - least);  // none where nothing is known
+      if (!(most - least > changes.change[n])) continue;  // none where nothing is known
+      changes.change[n] = most - least;
+      changes.fraction[n] = std::min(1.0, (most - least) / std::max(std::abs(most), std::abs(least)));
     }
   }
   return changes;
 }
 
-/// Returns the difference of the pressure from its mean over a cell, Pa, at the patches, times how much narrower than a
-/// cell is what a change of the gap's curvature k makes of it, about p / (E* k): the cells, which give the far field,
-/// do not see it, nor whether the body is a half-space there.
+/// Returns what a change of the gap's curvature k makes of the difference of the pressure from its mean over a cell,
+/// Pa, at the patches: that fraction, times how much narrower than a cell it is, about p / (E* k). The cells, which
+/// give the far field, do not see it, nor whether the body is a half-space there.
 std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   std::vector<double> pressure(square.size());
@@ -170,9 +176,12 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
       mean[n] = sum / count;
     }
   }
-  std::vector<double> error = changes_of_curvature(zone);
+  const CurvatureChanges changes = changes_of_curvature(zone);
+  std::vector<double> error(square.size(), 0.0);
   for (std::size_t n = 0; n < error.size(); ++n)
-    error[n] = std::min(error[n] * zone.modulus, mean[n]) * std::abs(pressure[n] / std::max(mean[n], 1e-300) - 1);
+    if (mean[n] > 0)
+      error[n] = changes.fraction[n] * std::min(changes.change[n] * zone.modulus / mean[n], 1.0) *
+                 std::abs(pressure[n] - mean[n]);
   return error;
 }
 
