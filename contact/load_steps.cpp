@@ -220,6 +220,8 @@ void LoadSteps::end() {
   state_.outer.diagnosis = first_failure_;
 }
 
+/// Solves for the approaches of the pairs whose force depends on how stiff the bodies are, for the estimate of its
+/// error.
 void LoadSteps::solve_approaches() {
   state_.approaches.clear();
   if (!state_.outer.converged) return;

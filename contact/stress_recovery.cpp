@@ -52,10 +52,11 @@ void recover_plain(SolvedState& state, std::size_t body, PatchSet& patches, std:
   state.sprc.push_back(field);
 }
 
-/// Estimates the errors of the approaches of pairs in a body, by plain SPR over the patches.
+/// Estimates the errors of the approaches of pairs in a body, by plain SPR over the patches; none where it is done.
 void estimate_approaches(SolvedState& state, std::size_t body, const PatchSet& patches) {
   const BodyMesh& mesh = state.system.meshes[body];
   for (Approach& approach : state.approaches) {
+    if (approach.u.size() == 0) continue;
     std::vector<double> errors(mesh.cell_nodes.size(), 0.0);
     if (!mesh.rigid) {
       const RecoveredField field = empty_field(state, body, approach.u);
@@ -107,11 +108,11 @@ std::vector<std::string> recover_stresses(const ExecSpace& exec, SolvedState& st
   update_links(state);
   std::vector<std::string> warnings;
   std::vector<PatchSet> patches(state.bodies.size());
-  for (Approach& approach : state.approaches) approach.error_of_cell.clear();
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     recover_plain(state, b, patches[b], warnings);
     estimate_approaches(state, b, patches[b]);
   }
+  for (Approach& approach : state.approaches) approach.u = RealView();  // one entry per unknown and pair
   const RecoveryOptions& options = state.scene.recovery;
   if (!options.spr_c) return warnings;
   const bool on_face = options.pressure == PressureSource::face;

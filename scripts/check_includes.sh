@@ -1,7 +1,7 @@
 #!/bin/bash
-# Includes go one way: core <- kernels <- recovery <- contact <- perf, tests; and in each folder that has rooms (sub-folders) from room to room in
-# the order below. Files beside the rooms come last: they may include any room, no room includes them. Complains about each line that does not
-# keep to it.
+# Includes go one way: core <- kernels <- recovery <- contact <- perf, tests; and in each folder that has rooms
+# (sub-folders) from room to room in the order below. Files beside the rooms come last: they may include any room, no
+# room includes them. Complains about each line that does not keep to it.
 #   scripts/check_includes.sh [ROOT]
 set -euo pipefail
 cd "${1:-$(dirname "$0")/..}"

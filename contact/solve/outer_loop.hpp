@@ -54,7 +54,7 @@ struct OuterResult {
 /// stiffness kappa E/h gives way a little.
 struct Approach {
   int pair = 0;
-  RealView u;            ///< less rigid motions, Scales::length; empty: the linear solver failed
+  RealView u;            ///< less rigid motions, Scales::length; empty: the linear solver failed, or it is estimated
   double stiffness = 0;  ///< force of the pair over the approach, N/m
   std::vector<std::vector<double>> error_of_cell;  ///< estimates by body and active cell (EnergySums)
 };

@@ -127,11 +127,12 @@ void each_near(const FaceGrid& grid, double distance, int axis, int patch, const
 }
 
 /// Changes of the gap's curvature along the axes within a cell of each patch: of fillets and other faces that end; of
-/// balls and cylinders it is a small fraction.
+/// balls and cylinders the fraction is small.
 struct CurvatureChanges {
   std::vector<double> change;    ///< times a cell
   std::vector<double> fraction;  ///< of the largest curvature around, at most 1
 };
+
 CurvatureChanges changes_of_curvature(const FaceZone& zone) {
   const FaceGrid& grid = zone.grid;
   CurvatureChanges changes{std::vector<double>(grid.num_patches(), 0.0), std::vector<double>(grid.num_patches(), 0.0)};

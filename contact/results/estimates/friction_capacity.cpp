@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact/motions/sliding.hpp"
+#include "contact/results/estimates/open_force.hpp"
 #include "contact/results/figures/pair_figures.hpp"
 #include "contact/results/figures/zone_figures.hpp"
 #include "contact/results/verdict/verdict.hpp"
@@ -206,8 +207,7 @@ std::optional<double> error_of_force(const SolvedState& state, const Results& re
   if (k >= results.verdict.pairs.size() || !figures.force_error_estimate) return {};
   const Verdict::Pair& verdict = results.verdict.pairs[k];
   if (verdict.closed_state() == Verdict::State::not_resolved) return {};
-  const bool tightened = state.pairs[k].spec->preload && state.scene.steps.size() < 2;
-  if (tightened || !figures.force_given_by_loads) return figures.force_error_estimate;
+  if (is_tightened(state, k) || !figures.force_given_by_loads) return figures.force_error_estimate;
   const double turned = std::max(0.0, 1 - figures.force_on_first.norm() / force);
   return std::max(*figures.force_error_estimate, turned * figures.pressure_error_estimate);
 }

@@ -9,7 +9,7 @@ namespace {
 
 /// normal: sum of what the pair's points press, N.
 double fraction_of(const SolvedState& state, std::size_t pair, double normal, const PairFigures& figures, bool given) {
-  if (state.pairs[pair].spec->preload && state.scene.steps.size() < 2) return 0;  // tightened to it
+  if (is_tightened(state, pair)) return 0;
   const double force = figures.force_on_first.norm();
   if (force > 0 && !given) return 1;
   const double balanced = normal > 0 && !state.pairs[pair].bonded() ? 1 - force / normal : 0;
@@ -17,6 +17,10 @@ double fraction_of(const SolvedState& state, std::size_t pair, double normal, co
 }
 
 }  // namespace
+
+bool is_tightened(const SolvedState& state, std::size_t pair) {
+  return state.pairs[pair].spec->preload && state.scene.steps.size() < 2;
+}
 
 std::vector<OpenForce> open_forces(const SolvedState& state, const std::vector<PairFigures>& figures) {
   const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
