@@ -129,7 +129,8 @@ std::string describe(int number, const SolveFigures& solve) {
       solve.pressure ? percent_number(*solve.pressure) + " %" : "-",
       solve.change ? percent_number(*solve.change) + " %" : "-",
       solve.force ? percent_number(*solve.force) + " %" : "-",
-      solve.shear ? "shear " + percent_number(*solve.shear) + " %, " : "", percent_number(solve.stress) + " %");
+      solve.shear ? "shear " + percent_number(*solve.shear) + " %, " : "",
+      solve.converged ? percent_number(solve.stress) + " %" : "-");
 }
 
 AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes(scene)) {

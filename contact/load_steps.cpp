@@ -229,7 +229,14 @@ void LoadSteps::solve_approaches() {
   for (int k = 0; k < static_cast<int>(forces.size()); ++k) {
     if (forces[k].fraction == 0 || state_.pairs[k].bonded()) continue;
     Approach approach = solver_->approach(k);
-    if (approach.u.size() > 0) state_.approaches.push_back(std::move(approach));
+    if (approach.u.size() > 0)
+      state_.approaches.push_back(std::move(approach));
+    else
+      add_warning(
+          results_,
+          fmt::format("contact \"{}\": the linear solver failed for what the error of its force is estimated by: "
+                      "the estimate is that of the energy, which can be several times too small or too large",
+                      state_.pairs[k].spec->name));
   }
 }
 

@@ -116,7 +116,8 @@ AdaptiveCallbacks callbacks_of(Listener& listener) {
     listener.tell([&] {
       return py::dict("solve"_a = number, "unknowns"_a = solve.unknowns, "seconds"_a = solve.seconds,
                       "pressure"_a = optional_number(solve.pressure), "force"_a = optional_number(solve.force),
-                      "shear"_a = optional_number(solve.shear), "stress"_a = solve.stress);
+                      "shear"_a = optional_number(solve.shear),
+                      "stress"_a = optional_number(solve.converged ? std::optional(solve.stress) : std::nullopt));
     });
   };
   return callbacks;

@@ -15,11 +15,12 @@ set -euo pipefail
 # trilinos-all-dev: its component packages refer to each other in their CMake files and do not configure alone.
 # libocct-data-exchange-dev: OpenCASCADE, for CAD files; brings its other packages.
 # pybind11-dev, python3-dev, python3-numpy: the Python module.
+# libpng-dev: pixels below what gnuplot draws.
 # libjs-three: the view of report.html.
 # libptscotch-dev: Trilinos names its libraries to the linker, but does not depend on it.
 packages=(
   g++ make cmake ninja-build
-  trilinos-all-dev libptscotch-dev libopenmpi-dev openmpi-bin libhdf5-dev libeigen3-dev
+  trilinos-all-dev libptscotch-dev libopenmpi-dev openmpi-bin libhdf5-dev libpng-dev libeigen3-dev
   libtomlplusplus-dev libmuparser-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcgal-dev libocct-data-exchange-dev
   libgtest-dev libbenchmark-dev
   pybind11-dev python3-dev python3-numpy

@@ -45,8 +45,8 @@ constexpr double sticks_until = 0.1;
 constexpr int longest = 4;
 constexpr std::size_t falls_in = 5;
 constexpr double falls_to = 0.8;
-/// Relative error of what an estimate is made of. An estimate needs two digits; the rounding of CG, which depends on the
-/// number of ranks, left 3e-7 of it with 1e-2 and leaves less than 1e-9 with 1e-4.
+/// Relative error of what an estimate is made of. An estimate needs two digits; the rounding of CG, which depends on
+/// the number of ranks, left 3e-7 of it with 1e-2 and leaves less than 1e-9 with 1e-4.
 constexpr double approach_tolerance = 1e-4;
 
 }  // namespace

@@ -131,7 +131,9 @@ class CutCellBuilder {
   CutCells run() {
     for (int l = 0; l < num_levels(); ++l) integrate(l);
     number_cells();
-    if (result_.cells.empty()) throw InputError("the body is empty");
+    if (result_.cells.empty())
+      throw InputError(
+          "the body is empty: a difference takes all of it away, or parts of an intersection do not overlap");
     merge_slivers();
     collect();
     split_levels();

@@ -139,7 +139,7 @@ class PlaneStrain(unittest.TestCase):
             self.assertLess(max(s for s, p in zip(places, values) if p > 0.1 * largest), 1.2 * half_width)
             self.assertGreater(max(values), 0.9 * largest)
         self.assertIn("mirrored at y = 0", (plots / "pressure.gp").read_text())
-        self.assertIn("scene_zone.rgb", (plots / "scene.gp").read_text())
+        self.assertIn("zone of ", (plots / "scene.gp").read_text())
         self.assertTrue((plots / "scene_zone.rgb").is_file())
 
     def test_faces_of_bodies_of_revolution(self):

@@ -358,26 +358,27 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
   legend.finish("see check_faces.vtkhdf");
 }
 
-std::string script(const Drawing& drawing) {
+Sheet check_sheet(const Drawing& drawing) {
   const std::size_t shown = std::min(drawing.drawn.size(), max_drawn_bodies);
   const int row = panel + heading + gap;
   const int width = 4 * gap + 3 * panel + legend_width, height = row * static_cast<int>(shown + 1) + gap;
-  std::string text = page_settings("check.png", width, height);
+  const std::string text = page_settings("check.png", width, height);
   Sheet sheet;
   add_overview(drawing, height - row, sheet);
   for (std::size_t b = 0; b < shown; ++b) add_body(drawing, b, height - row * static_cast<int>(b + 2), sheet);
   if (shown < drawing.drawn.size())
     sheet.label(fmt::format("and {} more bodies, see check_faces.vtkhdf", drawing.drawn.size() - shown), gap, gap / 2.0,
                 "left");
-  return text + sheet.settings + sheet.panels + "\n";
+  sheet.settings = text + sheet.settings + plot_nothing;
+  return sheet;
 }
 
 /// Two views of each body, without legends.
-std::string conditions_script(const Drawing& drawing) {
+Sheet conditions_sheet(const Drawing& drawing) {
   const std::size_t shown = std::min(drawing.drawn.size(), max_drawn_bodies);
   const int row = panel + heading + gap, key = 2 * line_height;
   const int width = 3 * gap + 2 * panel, height = row * static_cast<int>(shown) + gap + key;
-  std::string text = page_settings("conditions.png", width, height);
+  const std::string text = page_settings("conditions.png", width, height);
   Sheet sheet;
   for (std::size_t b = 0; b < shown; ++b) add_faces(drawing, b, height - row * static_cast<int>(b + 1), sheet);
   double left = gap;
@@ -390,7 +391,8 @@ std::string conditions_script(const Drawing& drawing) {
     left += 130;
   }
   sheet.label("red: loads, arcs: moments; blue: motions", left, key, "left font ',12'");
-  return text + sheet.settings + sheet.panels + "\n";
+  sheet.settings = text + sheet.settings + plot_nothing;
+  return sheet;
 }
 
 std::vector<int> regions_of_triangles(const MarkedFaces& faces, int b, const DrawnBody& drawn, const CutCells& cells) {
@@ -526,7 +528,8 @@ std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector
                                            GnuplotRuns& runs) {
   const Drawing drawing{
       scene, bodies, found.regions, drawn, found.region_of_triangle, found.colours, runs.directory() + "/plots"};
-  runs.start("conditions", conditions_script(drawing), {"conditions.png"});
+  const Sheet sheet = conditions_sheet(drawing);
+  runs.start_layered("conditions", sheet.settings, {{"conditions.png", sheet.panels}});
   std::vector<ConditionFace> list;
   for (std::size_t r = 0; r < found.regions.size(); ++r) {
     const FaceRegion& face = found.regions[r];
@@ -548,7 +551,8 @@ CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodie
                         found.colours,
                         (workshop.path() / "plots").string()};
   GnuplotRuns runs(workshop.path().string());
-  runs.start("check", script(drawing), {"check.png"});
+  const Sheet sheet = check_sheet(drawing);
+  runs.start_layered("check", sheet.settings, {{"check.png", sheet.panels}});
   const std::string repairs = draw_repairs(scene, runs);
   std::vector<const CutCells*> cut_cells;
   for (const CheckedBody& body : bodies) cut_cells.push_back(body.cut_cells);

@@ -60,8 +60,8 @@ std::string draw_repairs(const Scene& scene, GnuplotRuns& runs) {
   }
   if (shown < surfaces.size())
     sheet.label(fmt::format("and {} more surfaces", surfaces.size() - shown), gap, gap / 2.0, "left");
-  runs.start("check_repair", page_settings(repair_picture, width, height) + sheet.settings + sheet.panels + "\n",
-             {repair_picture});
+  runs.start_layered("check_repair", page_settings(repair_picture, width, height) + sheet.settings + plot_nothing,
+                     {{repair_picture, sheet.panels}});
   return repair_picture;
 }
 

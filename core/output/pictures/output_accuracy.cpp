@@ -35,7 +35,7 @@ std::vector<ErrorCurve> curves_of(const AccuracyFigures& accuracy) {
     pressure.errors.push_back(solve.pressure);
     force.errors.push_back(solve.force);
     shear.errors.push_back(solve.shear);
-    stress.errors.emplace_back(solve.stress);
+    stress.errors.push_back(solve.converged ? std::optional(solve.stress) : std::nullopt);
   }
   std::vector<ErrorCurve> all{pressure, force, shear, stress};
   constexpr const char* colours[] = {"#8a4fb0", "#b08a20", "#208a8a", "#b0406a"};
@@ -44,8 +44,8 @@ std::vector<ErrorCurve> curves_of(const AccuracyFigures& accuracy) {
     ErrorCurve& curve =
         all.emplace_back(ErrorCurve{"stress in " + target.body, colours[k % std::size(colours)], target.error, {}});
     for (const SolveFigures& solve : accuracy.solves)
-      curve.errors.emplace_back(k < solve.stress_of_body.size() ? std::optional(solve.stress_of_body[k])
-                                                                : std::nullopt);
+      curve.errors.emplace_back(
+          solve.converged && k < solve.stress_of_body.size() ? std::optional(solve.stress_of_body[k]) : std::nullopt);
   }
   for (std::size_t k = 0; k < accuracy.named.size(); ++k) {
     const std::size_t colour = accuracy.stress_of_body.size() + k;

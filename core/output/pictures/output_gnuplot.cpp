@@ -15,6 +15,7 @@
 
 #include "core/base/errors/errors.hpp"
 #include "core/base/files/text.hpp"
+#include "core/base/process/parallel.hpp"
 #include "core/base/process/resources.hpp"
 
 extern char** environ;
@@ -144,6 +145,13 @@ void GnuplotRuns::warn(const std::string& warning) {
 }
 
 void GnuplotRuns::start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures) {
+  std::vector<LayeredPicture> without_layers;
+  for (const std::string& picture : pictures) without_layers.push_back({picture, {}});
+  start_layered(name, script, std::move(without_layers));
+}
+
+void GnuplotRuns::start_layered(const std::string& name, const std::string& script,
+                                std::vector<LayeredPicture> pictures) {
   const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
   std::unique_lock lock(mutex_);
@@ -154,7 +162,7 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
   uninterrupted([&] {
     pid_t child = 0;
     error = spawn_gnuplot(folder.string(), name + ".gp", name + ".log", child);
-    if (error == 0) runs_.push_back({name, pictures, child});
+    if (error == 0) runs_.push_back({name, std::move(pictures), child});
   });
   lock.unlock();
   if (error == 0) return;
@@ -166,24 +174,35 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
     warn(fmt::format("no pictures: gnuplot could not be started ({})", std::strerror(error)));
 }
 
+void GnuplotRuns::complete(const Run& run) {
+  for (const LayeredPicture& picture : run.pictures) {
+    const fs::path file = fs::path(directory_) / picture.name;
+    std::error_code error;
+    const bool drawn = fs::exists(file, error) && fs::file_size(file, error) > 0;
+    if (run.ended_well && drawn) {
+      if (file.extension() == ".svg") make_well_formed(file.string());
+      if (picture.layers.empty()) continue;
+      try {
+        lay_below(file.string(), picture.layers);
+        continue;
+      } catch (const InputError& wrong) {
+        warn(fmt::format("no {}: {}", picture.name, wrong.what()));
+      }
+    } else {
+      warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", picture.name,
+                       run.name));
+    }
+    fs::remove(file, error);
+  }
+}
+
 const std::vector<std::string>& GnuplotRuns::finish() {
   uninterrupted([&] {  // the threads have started them in any order
     std::sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) { return a.name < b.name; });
   });
-  for (Run& run : runs_) {
+  for (Run& run : runs_)
     if (run.child > 0) run.ended_well = wait_for(run.child);
-    for (const std::string& name : run.pictures) {
-      const fs::path picture = fs::path(directory_) / name;
-      std::error_code error;
-      const bool drawn = fs::exists(picture, error) && fs::file_size(picture, error) > 0;
-      if (run.ended_well && drawn) {
-        if (picture.extension() == ".svg") make_well_formed(picture.string());
-        continue;
-      }
-      fs::remove(picture, error);
-      warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", name, run.name));
-    }
-  }
+  dispatch_chunks("cgcontact::output_gnuplot::complete", runs_.size(), [&](std::size_t k) { complete(runs_[k]); });
   uninterrupted([&] { runs_.clear(); });
   return warnings_;
 }

@@ -6,9 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "core/output/pictures/png_layers.hpp"
 #include "core/program/interruption.hpp"
 
 namespace cgcontact {
+
+/// PNG that a script draws on a transparent page.
+struct LayeredPicture {
+  std::string name;
+  std::vector<PixelLayer> layers;  ///< below what is drawn
+};
 
 /// Pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside the
 /// program. Scripts and data lie in the folder `plots` of the directory. Several threads may start runs and warn.
@@ -22,6 +29,8 @@ class GnuplotRuns {
   const std::string& directory() const { return directory_; }
   /// Writes `script` as `name`.gp and starts gnuplot on it; `pictures` (in the directory) must exist in the end.
   void start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures);
+  /// The same for pictures with pixels below, whose files lie in the folder.
+  void start_layered(const std::string& name, const std::string& script, std::vector<LayeredPicture> pictures);
   void warn(const std::string& warning);
   /// Waits for all runs. Failures are warnings, in the order of the names; their scripts and data stay.
   const std::vector<std::string>& finish();
@@ -29,11 +38,13 @@ class GnuplotRuns {
  private:
   struct Run {
     std::string name;
-    std::vector<std::string> pictures;
+    std::vector<LayeredPicture> pictures;
     int child;                ///< 0: it has ended
     bool ended_well = false;  ///< once it has ended
   };
   void kill_all();
+  /// Makes sure of the pictures of a run that has ended.
+  void complete(const Run& run);
 
   const std::string directory_;
   std::mutex mutex_;  ///< of what follows

@@ -176,8 +176,8 @@ void add_legend(const Results& results, double top, Sheet& sheet) {
 }
 
 /// Rows: the cells, the errors; columns: the scene, the zone. Without a column for the zone both are in one row.
-std::string script(const Results& results, std::vector<Look>& looks, const std::optional<StressErrors>& errors,
-                   const std::string& folder) {
+Sheet sheet_of(const Results& results, std::vector<Look>& looks, const std::optional<StressErrors>& errors,
+               const std::string& folder) {
   const bool one_row = looks.size() == 1 || !errors;
   const int legend_room = line_height * static_cast<int>(std::min(results.bodies.size(), max_listed_bodies + 1) + 1);
   const int row = panel_side + line_room, width = 3 * gap + 2 * panel_side + bar_room;
@@ -208,9 +208,9 @@ std::string script(const Results& results, std::vector<Look>& looks, const std::
     for (std::size_t k = 0; k < looks.size(); ++k)
       add(looks[k], static_cast<int>(one_row ? 1 : k), bottom, "errors", by_error);
     text += colour_bar(*errors, 2.5 * gap + 2 * panel_side, bottom, width, height);
-    sheet.panels += ", \\\n  '+' using 1:(NaN):1 with points palette";
   }
-  return text + sheet.settings + sheet.panels + "\n";
+  sheet.settings = text + sheet.settings + (errors ? plot_colours : plot_nothing);
+  return sheet;
 }
 
 }  // namespace
@@ -220,7 +220,8 @@ void write_grid_picture(const Results& results, const SceneView& scene, const Zo
                                    [](const BodyFields& body) { return body.cut_cells->num_levels() > 1; });
   if (scene.shown.empty() || !(refined || results.accuracy.asked)) return;
   std::vector<Look> looks = looks_at(scene, zone);
-  runs.start("grid", script(results, looks, stress_errors(results), runs.directory() + "/plots"), {"grid.png"});
+  const Sheet sheet = sheet_of(results, looks, stress_errors(results), runs.directory() + "/plots");
+  runs.start_layered("grid", sheet.settings, {{"grid.png", sheet.panels}});
 }
 
 }  // namespace cgcontact

@@ -277,8 +277,8 @@ std::string axes(const View& view, const std::array<int, 2>& size, const Frame& 
                      length.name, scale, view.thin_axis == 2 ? "y" : "z", length.name);
 }
 
-/// Plot of a zone's pixels, NAME_zone.rgb, beside that of the scene.
-std::string zone_script(const std::string& name, const ZonePicture& zone, const Frame& frame) {
+/// Frame of a zone's pixels beside those of the scene.
+std::string zone_script(const ZonePicture& zone, const Frame& frame) {
   const int side = zone.side;
   Overlay overlay(frame.width, frame.height);
   overlay.label(zone.heading, {frame.zone_left + side / 2.0, frame.bottom + side + 14.0}, "center front font ',12'");
@@ -286,22 +286,22 @@ std::string zone_script(const std::string& name, const ZonePicture& zone, const 
   return "unset label\nunset arrow\nunset object\nunset colorbox\nunset xtics\nunset ytics\nunset xlabel\n"
          "unset ylabel\nset border 15 lc rgb '#a0a0a0'\n" +
          margins(frame, frame.zone_left, {side, side}) + fmt::format("set xrange [0:{0}]\nset yrange [0:{0}]\n", side) +
-         overlay.script() +
-         fmt::format("plot '{0}_zone.rgb' binary array=({1},{1}) format='%uchar' origin=(0.5,0.5) with rgbimage\n",
-                     name, side);
+         overlay.script() + plot_nothing;
 }
 
-/// `name`: of the picture and of its pixels.
-std::string picture_script(const std::string& name, const Results& results, const View& view,
-                           const std::array<int, 2>& size, const std::optional<Vec3>& largest_at,
-                           const std::optional<ZonePicture>& zone) {
+/// Script of a picture NAME.png and where its pixels lie, NAME.rgb and NAME_zone.rgb in a folder.
+std::pair<std::string, LayeredPicture> picture_script(const std::string& name, const std::string& folder,
+                                                      const Results& results, const View& view,
+                                                      const std::array<int, 2>& size,
+                                                      const std::optional<Vec3>& largest_at,
+                                                      const std::optional<ZonePicture>& zone) {
   const Frame frame = frame_of(results, view, size, largest_at.has_value(), zone);
   const double height = frame.height;
   const auto most = most_stressed(results);
   Overlay overlay(frame.width, frame.height);
-  std::string script = fmt::format(
-      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n",
-      frame.width, frame.height);
+  std::string script =
+      fmt::format("set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' transparent\n",
+                  frame.width, frame.height);
   script += "set output '../" + name + ".png'\nunset key\n" + gnuplot_palette() + margins(frame, frame.left, size);
   script += fmt::format("set label {} at screen 0.5,{} center font ',18'\n", frame.title.text, 1 - 28.0 / height);
   if (most)
@@ -322,11 +322,15 @@ std::string picture_script(const std::string& name, const Results& results, cons
   const double x = view.camera.low[0] * length.factor, y = view.camera.low[1] * length.factor;
   script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
   script += axes(view, size, frame, overlay) + overlay.script() + (zone ? "set multiplot\n" : "");
-  script += fmt::format(
-      "plot '{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
-      "  '+' using 1:(NaN):1 with points palette\n",
-      name, size[0], size[1], x + step / 2, y + step / 2, step, step);
-  return zone ? script + zone_script(name, *zone, frame) + "unset multiplot\n" : script;
+  script += plot_colours;
+  LayeredPicture picture{name + ".png",
+                         {{folder + "/" + name + ".rgb", size[0], size[1], 1.0 * frame.left, 1.0 * frame.bottom}}};
+  if (zone) {
+    script += zone_script(*zone, frame) + "unset multiplot\n";
+    picture.layers.push_back(
+        {folder + "/" + name + "_zone.rgb", zone->side, zone->side, 1.0 * frame.zone_left, 1.0 * frame.bottom});
+  }
+  return {script, picture};
 }
 
 /// Mean displacement of the points that are pressed, m.
@@ -424,17 +428,17 @@ bool write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   box.add(drawn, view);
   const std::array<int, 2> size = fit_camera(box, view);
   if (size[0] < 1 || size[1] < 1) return false;
-  write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
+  const std::string folder = runs.directory() + "/plots";
+  write_text(folder + "/scene.rgb", draw_bodies(drawn, view, size));
   const std::optional<ZonePicture> near = zone ? picture_of_zone(results, view, size, *zone) : std::nullopt;
   if (near) {
     draw_fits_closed(results, near->view.exaggeration, zone->view.shown);
-    write_text(runs.directory() + "/plots/scene_zone.rgb",
-               draw_bodies(zone->view.shown, near->view, {near->side, near->side}));
+    write_text(folder + "/scene_zone.rgb", draw_bodies(zone->view.shown, near->view, {near->side, near->side}));
   }
-  runs.start("scene",
-             picture_script("scene", results, view, size,
-                            drawn_position_of_largest(results, bodies, drawn, displacements, scene.opened, view), near),
-             {"scene.png"});
+  const std::optional<Vec3> largest_at =
+      drawn_position_of_largest(results, bodies, drawn, displacements, scene.opened, view);
+  const auto [script, picture] = picture_script("scene", folder, results, view, size, largest_at, near);
+  runs.start_layered("scene", script, {picture});
   return near.has_value();
 }
 
@@ -462,13 +466,18 @@ std::vector<std::string> write_step_pictures(const std::vector<StepLook>& steps,
   if (end > 0) view.high = end;
   const std::array<int, 2> size = fit_camera(box, view);
   if (size[0] < 1 || size[1] < 1) return pictures;
-  std::string script;
+  const std::string folder = runs.directory() + "/plots";
+  std::string scripts;
+  std::vector<LayeredPicture> layered;
   for (const StepLook& step : steps) {
-    write_text(runs.directory() + "/plots/" + step.name + ".rgb", draw_bodies(drawn_in(step), view, size));
-    script += "reset\n" + picture_script(step.name, step.words, view, size, std::nullopt, std::nullopt);
-    pictures.push_back(step.name + ".png");
+    write_text(folder + "/" + step.name + ".rgb", draw_bodies(drawn_in(step), view, size));
+    const auto [script, picture] =
+        picture_script(step.name, folder, step.words, view, size, std::nullopt, std::nullopt);
+    scripts += "reset\n" + script;
+    pictures.push_back(picture.name);
+    layered.push_back(picture);
   }
-  runs.start("step_pictures", script, pictures);
+  runs.start_layered("step_pictures", scripts, std::move(layered));
   return pictures;
 }
 

@@ -261,9 +261,10 @@ GnuplotTitle title_of(const Results& results, const Face& face, int width) {
   return gnuplot_title(what + results.pairs[face.pair].name, width, png_pixels(15));
 }
 
-/// Map of a face; `name` of the data and picture.
-std::string map_script(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
-                       const Paper& paper, const std::string& name, const std::string& folder) {
+/// Script of the map of a face, NAME.png, and where its pixels lie.
+std::pair<std::string, LayeredPicture> map_script(const Results& results, const ContactSurface& surface,
+                                                  const Face& face, const FaceChart& chart, const Paper& paper,
+                                                  const std::string& name, const std::string& folder) {
   const double margin = 0.02 * paper.largest();
   Camera camera;
   camera.right = Vec3::UnitX();
@@ -293,8 +294,8 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
       title_of(results, face, static_cast<int>(width) - (right - left) - 20);  // centred over the map
   const int top = 40 + 20 * title.lines;
   const double height = size[1] + bottom + top;
-  std::string script = fmt::format(
-      "set terminal pngcairo size {},{} noenhanced font 'sans-serif,14' background 'white'\n", width, height);
+  std::string script =
+      fmt::format("set terminal pngcairo size {},{} noenhanced font 'sans-serif,14' transparent\n", width, height);
   script += fmt::format("set output '../{}.png'\nset title {}\n", name, title.text);
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
@@ -311,13 +312,10 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
   script += fmt::format("set xlabel '{} [{}]'\nset ylabel '{} [{}]'\n", chart.right_name(), length.name,
                         chart.up_name(), length.name);
-  script += fmt::format(
-      "plot '{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage notitle, \\\n"
-      "  '+' using 1:(NaN):1 with points palette notitle",
-      name, size[0], size[1], x + step / 2, y + step / 2, step, step);
+  script += "plot '+' using 1:(NaN):1 with points palette notitle";
   if (!lines.empty())
     script += fmt::format(", \\\n  '{}.dat' with lines lc rgb 'black' lw 2 title 'edge of the contact zone'", name);
-  return script + "\n";
+  return {script + "\n", {name + ".png", {{folder + "/" + name + ".rgb", size[0], size[1], 1.0 * left, 1.0 * bottom}}}};
 }
 
 /// How a face is drawn: a map, or a curve along an axis of the chart.
@@ -573,7 +571,7 @@ std::vector<std::size_t> pairs_to_draw(const Results& results) {
 
 std::vector<PressureMap> write_pressure_maps(const Results& results, const ContactSurface& surface, GnuplotRuns& runs) {
   std::vector<PressureMap> maps;
-  std::vector<std::string> files;
+  std::vector<LayeredPicture> pictures;
   std::string script = "set encoding utf8\nset border 3 lc rgb '#404040'\nset tics nomirror out\n" + gnuplot_palette();
   for (std::size_t pair : pairs_to_draw(results)) {
     const Face face = face_of_pair(results, surface, pair);
@@ -589,12 +587,17 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
                                   : layout_of_face(face.shape, zone, cell_size);
     const std::string name = pair == 0 ? "pressure_map" : fmt::format("pressure_map_{}", pair + 1);
     const std::string folder = runs.directory() + "/plots";
-    script += layout.axis ? curve_script(results, face, layout, name, folder)
-                          : map_script(results, surface, face, layout.chart, layout.paper, name, folder);
-    files.push_back(name + ".png");
-    maps.push_back({pair, files.back(), caption_of(results, face, layout)});
+    if (layout.axis) {
+      script += curve_script(results, face, layout, name, folder);
+      pictures.push_back({name + ".png", {}});
+    } else {
+      auto [map, picture] = map_script(results, surface, face, layout.chart, layout.paper, name, folder);
+      script += map;
+      pictures.push_back(std::move(picture));
+    }
+    maps.push_back({pair, pictures.back().name, caption_of(results, face, layout)});
   }
-  if (!maps.empty()) runs.start("pressure_map", script, files);
+  if (!maps.empty()) runs.start_layered("pressure_map", script, std::move(pictures));
   return maps;
 }
 

@@ -107,7 +107,7 @@ void write_section(const Scene& scene, const SectionSpec& spec, const std::vecto
                    fmt::format("set label {} at {},{} center font ',16'\n", title.text, width / 2.0, height - 28);
   sheet.add_panel(panel, draw(section, panel), name, "", runs.directory() + "/plots");
   sheet.add_axes_and_scale(panel);
-  runs.start(name, sheet.settings + sheet.panels + ", \\\n  '+' using 1:(NaN):1 with points palette\n", {file});
+  runs.start_layered(name, sheet.settings + plot_colours, {{file, sheet.panels}});
 }
 
 }  // namespace

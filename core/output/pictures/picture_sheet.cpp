@@ -69,11 +69,10 @@ void Sheet::heading(const std::string& text, double bottom) {
 
 void Sheet::add_panel(const Panel& view, const RenderedImage& image, const std::string& name, const std::string& title,
                       const std::string& folder) {
-  write_text(folder + "/" + name + ".rgb", image.pixels);
+  const std::string file = folder + "/" + name + ".rgb";
+  write_text(file, image.pixels);
   label(title, view.left + view.side / 2.0, view.bottom + view.side + 14, "center font ',13' tc rgb '#404a58'");
-  panels += fmt::format("{}'{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) with rgbimage",
-                        panels.empty() ? "plot " : ", \\\n  ", name, image.width, image.height, view.left + 0.5,
-                        view.bottom + 0.5);
+  panels.push_back({file, image.width, image.height, view.left, view.bottom});
 }
 
 void Sheet::add_axes_and_scale(const Panel& view) {
@@ -124,8 +123,8 @@ void Legend::label(const std::string& line, double left) {
 
 std::string page_settings(const char* file, int width, int height) {
   std::string text = fmt::format(
-      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
-      "'white'\nset output '../{}'\n",
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' transparent\n"
+      "set output '../{}'\n",
       width, height, file);
   text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
   text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);

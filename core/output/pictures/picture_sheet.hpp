@@ -8,6 +8,7 @@
 #include "core/base/files/text.hpp"
 #include "core/cells/cut_cells.hpp"
 #include "core/drawing/render.hpp"
+#include "core/output/pictures/png_layers.hpp"
 
 namespace cgcontact {
 
@@ -43,9 +44,14 @@ struct Panel {
 /// Looks from above in front, or from below behind.
 void look_from(bool behind, Camera& camera);
 
-/// Script of gnuplot in pixels of the whole picture: panels are plotted, labels and arrows lie above them.
+/// Plots nothing, but draws what the settings of a page hold; the second one with the bar of colours.
+constexpr const char *plot_nothing = "plot NaN notitle\n",
+                     *plot_colours = "plot '+' using 1:(NaN):1 with points palette notitle\n";
+
+/// Script of gnuplot in pixels of the whole picture, and the panels below its labels and arrows.
 struct Sheet {
-  std::string settings, panels;
+  std::string settings;
+  std::vector<PixelLayer> panels;
 
   void label(const std::string& text, double x, double y, const std::string& style);
   /// Writes a heading above a row of panels.
@@ -75,7 +81,7 @@ class Legend {
   Sheet& sheet_;
 };
 
-/// Returns gnuplot's settings of a picture without axes, drawn in pixels.
+/// Returns gnuplot's settings of a picture without axes, drawn in pixels on a transparent page.
 std::string page_settings(const char* file, int width, int height);
 
 }  // namespace cgcontact

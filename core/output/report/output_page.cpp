@@ -331,21 +331,21 @@ std::string accuracy_section(const Results& results, const PageContents& content
   heads.insert(heads.end(), {"Time", ""});
   const auto of_bodies = [&](const SolveFigures& solve) {
     std::string cells;
-    for (const double e : solve.stress_of_body) cells += cell(percent_figure(e));
+    for (const double e : solve.stress_of_body) cells += cell(solve.converged ? percent_figure(e) : "-");
     for (std::size_t k = 0; k < accuracy.named.size(); ++k)
       cells += error(k < solve.named.size() ? solve.named[k] : std::nullopt);
     return cells;
   };
   for (std::size_t k = 0; k < accuracy.solves.size(); ++k) {
     const SolveFigures& solve = accuracy.solves[k];
-    rows.push_back(name_cell(fmt::format("{}{}", k + 1, solve.converged ? "" : " (did not converge)")) +
-                   cell(count(solve.unknowns)) +
-                   cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) + cell(count(solve.levels)) +
-                   cell(count(solve.outer_iterations)) + error(solve.pressure) +
-                   cell(solve.change ? percent_figure(*solve.change) : "-") + error(solve.force) +
-                   (with_shear ? cell(solve.shear ? percent_figure(*solve.shear) : "-") : "") +
-                   cell(percent_figure(solve.stress)) + of_bodies(solve) + "<td class=\"run\">" +
-                   seconds(solve.seconds) + "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
+    rows.push_back(
+        name_cell(fmt::format("{}{}", k + 1, solve.converged ? "" : " (did not converge)")) +
+        cell(count(solve.unknowns)) + cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) +
+        cell(count(solve.levels)) + cell(count(solve.outer_iterations)) + error(solve.pressure) +
+        cell(solve.change ? percent_figure(*solve.change) : "-") + error(solve.force) +
+        (with_shear ? cell(solve.shear ? percent_figure(*solve.shear) : "-") : "") +
+        cell(solve.converged ? percent_figure(solve.stress) : "-") + of_bodies(solve) + "<td class=\"run\">" +
+        seconds(solve.seconds) + "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
   }
   std::string targets;
   for (const AskedError& asked : asked_errors(accuracy))

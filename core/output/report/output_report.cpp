@@ -155,7 +155,7 @@ Json json_of(const AccuracyFigures& accuracy) {
   for (const BodyTarget& target : accuracy.stress_of_body) targets[target.body] = target.error;
   const auto by_body = [&](const SolveFigures& solve) {
     Json errors = object();
-    for (std::size_t k = 0; k < solve.stress_of_body.size(); ++k)
+    for (std::size_t k = 0; solve.converged && k < solve.stress_of_body.size(); ++k)
       errors[accuracy.stress_of_body[k].body] = solve.stress_of_body[k];
     return errors;
   };
@@ -170,7 +170,7 @@ Json json_of(const AccuracyFigures& accuracy) {
                       {"pressure", json_of(solve.pressure)},
                       {"force", json_of(solve.force)},
                       {"shear", json_of(solve.shear)},
-                      {"stress", solve.stress},
+                      {"stress", solve.converged ? Json(solve.stress) : Json()},
                       {"stress_of_body", by_body(solve)},
                       {"displacement", by_name(accuracy, NamedTarget::Kind::displacement, error)},
                       {"pressure_of_pair", by_name(accuracy, NamedTarget::Kind::pressure, error)},

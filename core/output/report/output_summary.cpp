@@ -103,7 +103,8 @@ Lines solve_table(const AccuracyFigures& accuracy, std::size_t rows) {
     const SolveFigures& solve = accuracy.solves[k];
     lines.push_back(fmt::format("  {:<6} {:>13} {:>7.1f} s {:>12} {:>10} {:>10} {:>10}", k + 1, grouped(solve.unknowns),
                                 solve.seconds, in_unit(solve.smallest_cell, length_unit(solve.smallest_cell), 3),
-                                error(solve.pressure), error(solve.force), error(solve.stress)) +
+                                error(solve.pressure), error(solve.force),
+                                solve.converged ? percent_text(solve.stress) : "-") +
                     (with_shear ? fmt::format(" {:>10}", error(solve.shear)) : ""));
   }
   return lines;
