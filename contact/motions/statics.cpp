@@ -37,23 +37,29 @@ struct Statics::Impl {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const int first = 6 * pairs[k].primary, second = 6 * pairs[k].secondary;
       for (const ContactPoint& q : pairs[k].points) closed_area[k] += q.active ? q.weight : 0;
-      for (const ContactPoint& q : pairs[k].points) {
-        if (!q.active) continue;
-        const auto [on_first, on_second] = rows(k, q);
-        const double weight = q.weight / closed_area[k];
+      each_row(k, [&](const Vec3&, double weight, const RigidMotion& on_first, const RigidMotion& on_second) {
         sum.block<6, 6>(first, first) += weight * on_first * on_first.transpose();
         sum.block<6, 6>(second, second) += weight * on_second * on_second.transpose();
         sum.block<6, 6>(first, second) += weight * on_first * on_second.transpose();
         sum.block<6, 6>(second, first) += weight * on_second * on_first.transpose();
-      }
+      });
     }
     matrix = SymmetricEigen<Eigen::Dynamic>(sum);
   }
 
-  /// Returns the rows of the relative motion along a point's direction, of the primary body less the secondary one.
-  std::pair<RigidMotion, RigidMotion> rows(std::size_t k, const ContactPoint& q) const {
-    return {components.list[pairs[k].primary].row(q.x, q.direction),
-            -components.list[pairs[k].secondary].row(q.x, q.direction)};
+  /// Calls use(direction, weight, row of the primary body, row of the secondary one) for the relative motions that the
+  /// closed points of a pair resist: along their normals, and where friction acts along the face.
+  template <class Use>
+  void each_row(std::size_t k, const Use& use) const {
+    const ContactPair& pair = pairs[k];
+    for (std::size_t i = 0; i < pair.points.size(); ++i) {
+      const ContactPoint& q = pair.points[i];
+      if (!q.active) continue;
+      pair.each_direction(i, [&](const Vec3& direction) {
+        use(direction, q.weight / closed_area[k], components.list[pair.primary].row(q.x, direction),
+            -components.list[pair.secondary].row(q.x, direction));
+      });
+    }
   }
 };
 
@@ -67,14 +73,13 @@ bool Statics::loads_give(int pair, const Vec3& direction) const {
   const auto& values = impl_->matrix.eigenvalues();
   Eigen::VectorXd right = Eigen::VectorXd::Zero(values.size());
   double square = 0;  // of the work wanted, and what motions meet of it
-  for (const ContactPoint& q : p.points) {
-    if (!q.active) continue;
-    const auto [on_first, on_second] = impl_->rows(pair, q);
-    const double weight = q.weight / impl_->closed_area[pair], value = q.direction.dot(direction);
-    right.segment<6>(6 * p.primary) += weight * value * on_first;
-    right.segment<6>(6 * p.secondary) += weight * value * on_second;
-    square += weight * value * value;
-  }
+  impl_->each_row(pair,
+                  [&](const Vec3& resisting, double weight, const RigidMotion& on_first, const RigidMotion& on_second) {
+                    const double value = resisting.dot(direction);
+                    right.segment<6>(6 * p.primary) += weight * value * on_first;
+                    right.segment<6>(6 * p.secondary) += weight * value * on_second;
+                    square += weight * value * value;
+                  });
   double met = 0;
   for (Eigen::Index k = 0; k < values.size(); ++k)
     if (values[k] > balance_tolerance * values.maxCoeff())

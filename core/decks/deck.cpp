@@ -224,6 +224,7 @@ class DeckReader {
                                                    {"SURFACE INTERACTION", &DeckReader::interaction},
                                                    {"FRICTION", &DeckReader::friction},
                                                    {"STEP", &DeckReader::step}};
+    static const std::set<std::string> conditions{"BOUNDARY", "CLOAD", "DLOAD", "DSLOAD"};
     // Say how a deck is solved or written, not what is solved.
     static const std::set<std::string> without_meaning{
         "END STEP",       "STATIC",           "NODE FILE", "EL FILE",        "NODE PRINT",
@@ -234,7 +235,9 @@ class DeckReader {
       fail(block.head, fmt::format("*{}: the deck has parts and instances", block.keyword),
            "flat decks: \"do not use parts and assemblies in input files\"");
     const auto found = takes.find(block.keyword);
-    if (found != takes.end())
+    if (num_steps_ > 1 && conditions.count(block.keyword) > 0)
+      leave_out(fmt::format("*{} of a step beyond the first", block.keyword), block.head);
+    else if (found != takes.end())
       (this->*found->second)(block);
     else if (without_meaning.count(block.keyword) == 0)
       leave_out("*" + block.keyword, block.head);
@@ -465,7 +468,7 @@ class DeckReader {
   }
 
   void step(const DeckBlock& block) {
-    if (++num_steps_ > 1) leave_out("*STEP beyond the first: all conditions are put together", block.head);
+    if (++num_steps_ > 1) leave_out("*STEP beyond the first", block.head);
   }
 
   struct Section {

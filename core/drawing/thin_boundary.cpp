@@ -1,6 +1,7 @@
 #include "core/drawing/thin_boundary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
@@ -9,8 +10,9 @@ namespace cgcontact {
 
 namespace {
 
-/// Fraction of a zone's largest extent within which triangles around it stay.
-constexpr double around_zone = 0.5;
+/// Fractions of a zone's width, its second largest extent, within which triangles around it stay: the largest that
+/// leaves few enough.
+constexpr std::array<double, 3> around_zone{0.5, 0.25, 0.125};
 /// Factor by which the lattice grows until there are few enough triangles.
 constexpr double growth = 1.4;
 /// Largest lattice, of the largest extent of the scene: a coarser one leaves no shape.
@@ -93,9 +95,11 @@ class Thinning {
   std::vector<Meeting> meetings_;
 };
 
-std::vector<SceneBox> widened(std::vector<SceneBox> zones) {
+std::vector<SceneBox> widened(std::vector<SceneBox> zones, double fraction) {
   for (SceneBox& zone : zones) {
-    const Vec3 margin = Vec3::Constant(around_zone * zone.extent().maxCoeff());
+    std::array<double, 3> extents{zone.extent()[0], zone.extent()[1], zone.extent()[2]};
+    std::sort(extents.begin(), extents.end());
+    const Vec3 margin = Vec3::Constant(fraction * extents[1]);
     zone.low -= margin;
     zone.high += margin;
   }
@@ -125,7 +129,10 @@ std::vector<std::vector<ThinTriangle>> thin_boundaries(const std::vector<DrawnBo
   };
   if (run(0, {})) return thin;
   const double finest = std::sqrt(area / static_cast<double>(most));
-  for (const std::vector<SceneBox>& kept : {widened(zones), std::vector<SceneBox>{}})
+  std::vector<std::vector<SceneBox>> kept_zones;
+  for (const double fraction : around_zone) kept_zones.push_back(widened(zones, fraction));
+  kept_zones.emplace_back();
+  for (const std::vector<SceneBox>& kept : kept_zones)
     for (double lattice = finest; lattice < coarsest * box.extent().maxCoeff(); lattice *= growth)
       if (run(lattice, kept)) return thin;
   return thin;

@@ -142,12 +142,14 @@ class Decks(unittest.TestCase):
                 self.assertAlmostEqual(max(body["max_displacement"] for body in result["bodies"]) / exact, 1, delta=1e-3)
 
     def test_pressures_and_sides(self):
-        """*DLOAD on sides, *DSLOAD on a surface of sides: the same pressure; sides are numbered as the manual does."""
-        for loads in ("*DLOAD\nE{e}, P2, 3.\n", "*SURFACE, NAME=TOP\nE{e}, S2\n*DSLOAD\nTOP, P, 3.\n"):
+        """*DLOAD on sides, *DSLOAD on a surface of sides: the same pressure; sides are numbered as the manual does. Loads of the
+        second step are told and left out."""
+        for loads in ("*DLOAD\nE{e}, P2, 3.\n", "*SURFACE, NAME=TOP\nE{e}, S2\n*DSLOAD\nTOP, P, 3.\n",
+                      "*STEP\n*DLOAD\nE{e}, P2, 3.\n*END STEP\n*STEP\n*DLOAD\nE{e}, P2, 99.\n*END STEP\n"):
             mesh = Mesh()
             mesh.block("LOW", (0, 0, 0), (10, 10, 10), (1, 1, 1), "C3D8")
             text = mesh.text() + MATERIALS.replace("*SOLID SECTION, ELSET=HIGH, MATERIAL=HARD\n", "")
-            name = "sides" + loads[1]
+            name = "sides" + loads[1:3]
             outcome = self.init(text + "*BOUNDARY\nLOWZ0, 1, 3\n" + loads.format(e=1), name)
             self.assertEqual(outcome.code, 0, outcome.err)
             self.assertIn("pressure = 3000000", pathlib.Path(f"{name}.toml").read_text())
@@ -155,6 +157,7 @@ class Decks(unittest.TestCase):
             self.assertAlmostEqual(max(b["max_displacement"] for b in result["bodies"]) / (3e6 * 10e-3 / 1e9), 1, delta=0.01)
             reaction = result["supports"][0]["force"]
             self.assertAlmostEqual(reaction[2] / 300, 1, delta=1e-5)
+            self.assertEqual(outcome.out.count("of a step beyond the first"), max(0, loads.count("*STEP") - 1))
             pathlib.Path(f"{name}.inp").unlink()
 
     def test_materials_that_share_nodes(self):

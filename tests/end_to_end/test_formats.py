@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fields in other formats: result.vtu is result.vtkhdf to the last bit, as VTK and meshio read it; result.frd, read column by column as
+"""Fields in other formats: result.vtu is result.vtkhdf to the last bit but for the order of cells, as VTK and meshio read it; result.frd, read column by column as
 the format of CalculiX is described, has its nodes, elements and values to the digits that it holds."""
 import os
 import pathlib
@@ -120,17 +120,28 @@ class Formats(unittest.TestCase):
                 reader.Update()
                 grid = reader.GetOutput()
                 np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), group["Points"])
-                np.testing.assert_array_equal(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), group["Connectivity"])
-                np.testing.assert_array_equal(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), group["Offsets"])
-                np.testing.assert_array_equal(vtk_to_numpy(grid.GetCellTypesArray()), group["Types"])
+                types, corners = np.array(group["Types"]), np.split(group["Connectivity"], group["Offsets"][1:-1])
+                order = np.argsort(-types.astype(int), kind="stable")  # cells of one type follow each other
+                np.testing.assert_array_equal(vtk_to_numpy(grid.GetCells().GetConnectivityArray()),
+                                              np.concatenate([corners[k] for k in order]))
+                np.testing.assert_array_equal(vtk_to_numpy(grid.GetCells().GetOffsetsArray()),
+                                              np.cumsum([0] + [len(corners[k]) for k in order]))
+                np.testing.assert_array_equal(vtk_to_numpy(grid.GetCellTypesArray()), types[order])
                 by_meshio = meshio.read(directory / f"{stem}.vtu")
                 np.testing.assert_array_equal(by_meshio.points, group["Points"])
                 for kind, data in (("PointData", grid.GetPointData()), ("CellData", grid.GetCellData())):
                     self.assertEqual({data.GetArrayName(k) for k in range(data.GetNumberOfArrays())}, set(group[kind]))
                     for name in group[kind]:
-                        np.testing.assert_array_equal(vtk_to_numpy(data.GetArray(name)), group[kind][name], name)
+                        of_vtkhdf = np.array(group[kind][name])
+                        np.testing.assert_array_equal(vtk_to_numpy(data.GetArray(name)),
+                                                      of_vtkhdf[order] if kind == "CellData" else of_vtkhdf, name)
                 for name in group["PointData"]:
                     np.testing.assert_array_equal(by_meshio.point_data[name], group["PointData"][name])
+                # As docs/scene.md says for Code_Aster, which wants one block of cells of each type.
+                meshio.write(f"{stem}.med", by_meshio)
+                med = meshio.read(f"{stem}.med")
+                self.assertEqual(sorted((block.type, len(block.data)) for block in med.cells),
+                                 sorted((block.type, len(block.data)) for block in by_meshio.cells))
 
     def test_frd(self):
         """A refined grid of two bodies, one of them without contact on most of its nodes."""

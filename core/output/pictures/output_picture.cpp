@@ -379,6 +379,16 @@ Vec3 shift_near(const DrawnBody& body, const std::vector<Vec3>& displacements, c
   return displacements.empty() ? Vec3(Vec3::Zero()) : Vec3(body.displacement[nearest] - displacements[nearest]);
 }
 
+/// Finds where a point is drawn that moves like the nearest one of a body; nothing if it has none.
+std::optional<Vec3> beside_nearest(const DrawnBody& body, const Vec3& x, double exaggeration) {
+  const auto nearest = std::min_element(body.position.begin(), body.position.end(), [&](const Vec3& a, const Vec3& b) {
+    return (a - x).squaredNorm() < (b - x).squaredNorm();
+  });
+  if (nearest == body.position.end()) return std::nullopt;
+  const int point = static_cast<int>(nearest - body.position.begin());
+  return Vec3(x + drawn_position(body, point, exaggeration) - *nearest);
+}
+
 /// Finds where the largest von Mises stress is drawn; nothing if it has been cut away. displacements: of the drawn
 /// bodies before fits were closed.
 std::optional<Vec3> drawn_position_of_largest(const Results& results, const std::vector<DrawnBody>& whole,
@@ -402,7 +412,7 @@ std::optional<Vec3> drawn_position_of_largest(const Results& results, const std:
     const std::vector<Vec3> displacement = body.interior(body.mesh, {p}).displacement;
     return displacement.empty() ? at : Vec3(at + view.exaggeration * displacement.front() + shift);
   }
-  return std::nullopt;
+  return beside_nearest(drawn[*most], at, view.exaggeration);
 }
 
 }  // namespace

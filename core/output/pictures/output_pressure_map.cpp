@@ -150,7 +150,7 @@ DrawnRange range_of(const Results& results, std::size_t pair) {
 
 std::string quantity(const Results& results, std::size_t pair) {
   return results.pairs[pair].bonded
-             ? "normal traction, pressure positive (SPR-C)"
+             ? "normal traction (SPR-C)"
              : fmt::format("contact pressure ({})", name_of_pressure(results.pairs[pair].pressure_on_face));
 }
 

@@ -236,22 +236,35 @@ std::string tile(const std::string& label, const std::string& value, const std::
   return "<div class=\"tile\"><span>" + label + "</span><b>" + value + "</b><span>" + remark + "</span></div>\n";
 }
 
-/// Returns the tiles of the pair with the largest force, and of the bodies.
+/// Returns the pair with the largest of a figure, one in contact before those that are bonded.
+template <class Figure>
+const PairFigures& pair_with_largest(const Results& results, const Figure& figure) {
+  const auto value = [&](const PairFigures& pair) {
+    const double of_pair = figure(pair);
+    return std::isfinite(of_pair) ? of_pair : -1;
+  };
+  return *std::max_element(results.pairs.begin(), results.pairs.end(), [&](const PairFigures& a, const PairFigures& b) {
+    return a.bonded != b.bonded ? a.bonded : value(a) < value(b);
+  });
+}
+
+/// Returns the tiles of the pairs with the largest force and pressure, and of the bodies.
 std::string tiles(const Results& results) {
   std::string text = "<div class=\"tiles\">\n";
   if (!results.pairs.empty()) {
-    const PairFigures& pair =
-        *std::max_element(results.pairs.begin(), results.pairs.end(),
-                          [](const PairFigures& a, const PairFigures& b) { return told_force(a) < told_force(b); });
-    const std::string of = results.pairs.size() > 1 ? "of " + html_text(pair.name) + ", " : "";
+    const PairFigures &pair = pair_with_largest(results, told_force),
+                      &pressed = pair_with_largest(results, [](const PairFigures&p) { return p.max_pressure; });
+    const auto of = [&](const PairFigures& p) {
+      return results.pairs.size() > 1 ? "of " + html_text(p.name) + ", " : std::string();
+    };
     text += tile("Contact force", force_figure(told_force(pair)),
-                 of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
-    text += tile("Largest contact pressure", stress(pair.max_pressure),
-                 of + "estimated error " + estimate(results, pair, pair.max_pressure_error_estimate));
-    text += tile(
-        "Contact area", figure(pair.area, area_unit(pair.area)),
-        of + (pair.bonded ? "bonded"
-                          : fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points))));
+                 of(pair) + "estimated error " + estimate(results, pair, pair.force_error_estimate));
+    text += tile("Largest contact pressure", stress(pressed.max_pressure),
+                 of(pressed) + "estimated error " + estimate(results, pressed, pressed.max_pressure_error_estimate));
+    text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
+                 of(pair) + (pair.bonded ? "bonded"
+                                         : fmt::format("{} of {} points closed", grouped(pair.active_points),
+                                                       grouped(pair.points))));
   }
   if (!results.extremes.empty() && results.extremes.size() == results.bodies.size()) {
     const int s = body_with_largest(results.extremes, &Extremes::von_mises);

@@ -342,10 +342,24 @@ ViewJson pairs_of(const Results& results) {
   return pairs;
 }
 
-std::vector<SceneBox> zones_of(const Results& results) {
+/// Returns the boxes of the pairs' zones. On a quadtree, whose points of contact lie in its middle, they reach through
+/// it.
+std::vector<SceneBox> zones_of(const ViewInput& input) {
+  const Results& results = input.results;
   std::vector<SceneBox> zones;
   for (std::size_t k = 0; k < results.pairs.size(); ++k)
     if (const auto zone = zone_of_pair(results, static_cast<int>(k))) zones.push_back(zone->box);
+  const Grid& grid = results.bodies.front().cut_cells->grid;
+  if (!grid.is_quadtree()) return zones;
+  int across = 0;
+  grid.rotation.col(grid.plane_strain).cwiseAbs().maxCoeff(&across);
+  SceneBox all;
+  for (const DrawnBody& body : input.drawn)
+    for (const Vec3& x : body.position) all.add(x);
+  for (SceneBox& zone : zones) {
+    zone.low[across] = all.low[across];
+    zone.high[across] = all.high[across];
+  }
   return zones;
 }
 
@@ -430,7 +444,7 @@ ViewData view_data(const ViewInput& input) {
   ViewJson json;
   json["steps"] = ViewJson::array();
   for (const ViewStep& step : input.steps) json["steps"].push_back({{"number", step.number + 1}});
-  json["bodies"] = bodies_of(input, zones_of(results), json["steps"], view.left_out);
+  json["bodies"] = bodies_of(input, zones_of(input), json["steps"], view.left_out);
   json["faces"] = faces_of(input);
   json["pairs"] = pairs_of(results);
   json["symmetry"] = symmetry_planes(input);

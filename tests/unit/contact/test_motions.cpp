@@ -239,6 +239,27 @@ TEST(Statics, DoNotShareALoadAmongTwoColumns) {
   EXPECT_TRUE(given(0));
 }
 
+/// A block stands on a floor beside a wall, closed on both: the floor's force is the load's, but with friction at the
+/// wall, which carries some of it; with friction at the floor alone it is the load's again.
+TEST(Statics, FrictionBesideTakesAShare) {
+  const auto given = [](const std::string& at_floor, const std::string& at_wall) {
+    OnGrids g(test::box_text("floor", "[0, 0, -0.2]", "[0.8, 0.4, 0]", 0.11) +
+              test::box_text("wall", "[-0.2, 0, 0]", "[0, 0.4, 0.5]", 0.13) +
+              test::box_text("block", "[0, 0, 0]", "[0.4, 0.4, 0.4]", 0.12) + test::symmetry_text({"block.y-"}) +
+              test::support_text("floor.z-", "displacement = {x = 0, y = 0, z = 0}") +
+              test::support_text("wall.x-", "displacement = {x = 0, y = 0, z = 0}") +
+              test::contact_text("floor.z+", "block.z-") + at_floor + test::contact_text("wall.x+", "block.x-") +
+              at_wall);
+    for (ContactPair& pair : g.p.pairs)
+      for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, true);
+    return Statics(g.scene, g.p.bodies, g.p.supports, g.p.pairs).loads_give(0, Vec3::UnitZ());
+  };
+  const std::string friction = "friction = 0.2\n";
+  EXPECT_TRUE(given("", ""));
+  EXPECT_FALSE(given("", friction));
+  EXPECT_TRUE(given(friction, ""));
+}
+
 /// A block of 1 x 0.3 m on a wider foundation, `gap` above it, which nothing but contact holds along z and about y.
 std::string on_foundation(const std::string& gap, const std::string& more) {
   return test::box_text("foundation", "[-0.5, 0, -0.2]", "[1.5, 0.3, 0]", 0.07, "grid = {offset = [0.2, 0.3, 0.6]}\n") +
