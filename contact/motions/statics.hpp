@@ -17,8 +17,8 @@ class Statics {
 
   /// Returns whether the loads give a pair's force, whatever the stiffness: whether in a virtual rigid motion of the
   /// bodies the force along `direction` (unit, global axes) does all the work of the pair, and no support and no other
-  /// closed contact, nor its friction, does any. What holds motions that no load drives carries no force and does not count. False without
-  /// a closed point.
+  /// closed contact, nor its friction, does any. What holds motions that no load drives carries no force and does not
+  /// count. False without a closed point.
   bool loads_give(int pair, const Vec3& direction) const;
 
  private:
