@@ -89,7 +89,7 @@ Vec3 in_pixels(const Panel& view, const Vec3& x) {
          Vec3(camera.right.dot(x) - camera.low[0], camera.up.dot(x) - camera.low[1], camera.eye.dot(x));
 }
 
-/// Returns whether a point lies in the picture, on what is seen there.
+/// Returns whether a point lies in the picture, on what is seen there; in thin scenes and sections before or behind it.
 bool is_seen(const Vec3& x, const Panel& view, const PlotShape& shape, const std::vector<ShownTriangle>& triangles) {
   const Vec3 at = in_pixels(view, x);
   if (at[0] < 0 || at[1] < 0 || at[0] > view.size[0] || at[1] > view.size[1]) return false;
@@ -105,7 +105,7 @@ bool is_seen(const Vec3& x, const Panel& view, const PlotShape& shape, const std
       nearest = std::max(nearest,
                          (weights[0] * corners[0][2] + weights[1] * corners[1][2] + weights[2] * corners[2][2]) / area);
   }
-  return nearest > -depth_of_ring && nearest < depth_of_ring;
+  return shape.shaded ? std::abs(nearest) < depth_of_ring : nearest > -1e300;
 }
 
 /// "von_mises on the section z=5mm, near the contact lug-pin, displacement x 50"
@@ -129,13 +129,13 @@ std::string bar_of(const PlotField& field, const PlotValues& values, const Panel
   const double bottom = view.bottom + (view.size[1] - length) / 2, left = view.left + view.side + 30;
   const auto beyond = [&](const char* word, double value, double y) {
     const DisplayUnit shown = field.display(std::abs(value));
-    sheet.label(fmt::format("{} {}", word, in_unit(value, shown)), left + plot_bar_width / 2.0, y, "center font ',12'");
+    sheet.label(fmt::format("{} {}", word, in_unit(value, shown)), left, y, "left font ',12'");
   };
   const double rounding = 1e-6 * (values.high - values.low);
   if (values.largest.value > values.high + rounding) beyond("to", values.largest.value, bottom + length + 16);
   if (values.smallest.value < values.low - rounding) beyond("from", values.smallest.value, bottom - 16);
   return gnuplot_palette() +
-         fmt::format("set cbrange [{}:{}]\nset cblabel '{} [{}]'\n", values.low * unit.factor,
+         fmt::format("set cbrange [{}:{}]\nset cblabel '{} [{}]' offset 1.5,0\n", values.low * unit.factor,
                      values.high * unit.factor, field.name, unit.name) +
          fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", left / width, bottom / height,
                      1.0 * plot_bar_width / width, length / height) +
@@ -201,6 +201,9 @@ void draw_plot(const PlotResult& result, const PlotOptions& options, const PlotF
   for (std::size_t k = 0; k < notes.size(); ++k)
     sheet.label(drawable_text(notes[k]), width / 2.0, 18 + note_height * static_cast<double>(k), "center font ',12'");
   sheet.add_panel(view, pixels_of(view, shape, values, triangles), name, "", runs.directory() + "/plots");
+  if (shape.near)
+    sheet.settings += fmt::format("set object rectangle from {},{} to {},{} fs empty border lc rgb '#a0a0a0'\n",
+                                  view.left, view.bottom, view.left + view.size[0], view.bottom + view.size[1]);
   Panel strip = view;
   strip.bottom = notes_top;
   sheet.add_axes_and_scale(strip);

@@ -94,6 +94,19 @@ PairFigures pair_of(const Json& json) {
   return pair;
 }
 
+/// Sets the axis across a body of one layer: of revolution, or plane strain on cells of several sizes.
+void set_layer(const Json& body, Grid& grid) {
+  const auto axis_of = [&](const char* key) {
+    const std::string name = text_of(body, key);
+    return name.size() == 1 && name[0] >= 'x' && name[0] <= 'z' ? name[0] - 'x' : -1;
+  };
+  const int revolution = axis_of("axisymmetric"), strain = axis_of("plane_strain");
+  if (revolution < 0 && (strain < 0 || !body.contains("smallest_cell_size"))) return;
+  grid.plane_strain = revolution >= 0 ? (revolution + 2) % 3 : strain;
+  grid.slice = 1;
+  if (revolution >= 0) grid.unit_radius = 1;
+}
+
 /// Takes from the report what the views need of the grids, and the names.
 void add_report(const Json& report, PlotResult& result) {
   result.known.title = text_of(report, "title");
@@ -102,6 +115,7 @@ void add_report(const Json& report, PlotResult& result) {
     const Json& body = report.at("bodies")[b];
     const double size = number_of(body, "cell_size");
     if (size > 0) result.grids[b].grid.cell_size = size;
+    set_layer(body, result.grids[b].grid);
     result.known.bodies.emplace_back();
     result.known.bodies.back().name = text_of(body, "name");
     result.known.bodies.back().cut_cells = &result.grids[b];
@@ -138,25 +152,6 @@ void add_contact(const VtkArrays& file, Results& known) {
     row.weight = row.normal.norm() / 2;
     row.normal.normalize();
   }
-}
-
-/// The axis across which all bodies are one layer of points thick, twice; -1: none.
-int layer_axis(const std::vector<DrawnBody>& bodies) {
-  for (int axis = 0; axis < 3; ++axis) {
-    double low = 1e300, high = -1e300;
-    for (const DrawnBody& body : bodies)
-      for (const Vec3& x : body.position) {
-        low = std::min(low, x[axis]);
-        high = std::max(high, x[axis]);
-      }
-    const double rounding = 1e-9 * (high - low);
-    const auto at_end = [&](const Vec3& x) { return x[axis] - low <= rounding || high - x[axis] <= rounding; };
-    if (std::all_of(bodies.begin(), bodies.end(), [&](const DrawnBody& body) {
-          return std::all_of(body.position.begin(), body.position.end(), at_end);
-        }))
-      return axis;
-  }
-  return -1;
 }
 
 }  // namespace
@@ -221,11 +216,6 @@ PlotResult read_plot_result(const std::string& directory, std::size_t step, cons
     if (!cells.empty()) find_grid(result.grids[b].grid.cell_size, cells.data() + result.first_cell[b], body);
     find_boundary(body.mesh);
   }
-  if (const int axis = layer_axis(result.bodies); axis >= 0)
-    for (CutCells& cells_of_body : result.grids) {
-      cells_of_body.grid.plane_strain = axis;
-      cells_of_body.grid.slice = 1;
-    }
   const fs::path contact = fs::path(directory) / "contact.vtkhdf";
   std::error_code error;
   if (fs::is_regular_file(contact, error)) add_contact(VtkArrays(contact.string()), result.known);

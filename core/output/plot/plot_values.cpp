@@ -91,7 +91,7 @@ void take_ends(const PlotField& field, const PlotOptions::Ends& ends, PlotValues
     if (has_unit && !quantity.has_units && quantity.value != 0) refuse("has no unit");
     if (!has_unit && quantity.has_units) refuse("has a unit");
     const SourceLocation option{"", 0, "--range"};
-    *found[k] = has_unit ? value_in(unit_named(field.unit), quantity, option, ends.text, allowed) : quantity.value;
+    *found[k] = has_unit ? value_in(unit_named(field.unit), quantity, option, ends.text, "LOW:HIGH") : quantity.value;
   }
 }
 
@@ -113,6 +113,9 @@ PlotValues values_to_plot(const PlotField& field, const PlotResult& result, cons
     else
       add_points(values_at_points(field, whole), whole, body, shape, values);
   }
+  for (PlotExtreme* extreme : {&values.largest, &values.smallest})  // as report.json tells places
+    if (extreme->body >= 0 && result.grids[extreme->body].grid.is_axisymmetric())
+      extreme->at = result.grids[extreme->body].grid.in_layer(extreme->at);
   if (values.largest.body < 0)
     throw InputError(fmt::format("{}: {} has no value in what is to be drawn", file.file(), field.name));
   if (ends)
