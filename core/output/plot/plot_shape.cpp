@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -89,10 +90,14 @@ void cut_bodies(const PlotResult& result, const PlotOptions::Plane& plane, PlotS
   }
   const auto meets = [](const DrawnBody& body) { return !body.mesh.boundary.empty(); };
   if (std::any_of(shape.shown.begin(), shape.shown.end(), meets)) return;
-  const DisplayUnit unit = length_unit(std::max(std::abs(box.low[plane.axis]), std::abs(box.high[plane.axis])));
+  std::array<double, 2> ends{box.low[plane.axis], box.high[plane.axis]};
+  const double extent = box.extent().maxCoeff();
+  for (double& end : ends)
+    if (std::abs(end) < 1e-9 * extent) end = 0;  // rounding
+  const DisplayUnit unit = length_unit(std::max(std::abs(ends[0]), std::abs(ends[1])));
   throw InputError(fmt::format("--section {}: the plane meets no body that is drawn (allowed: {} between {} and {} {})",
-                               plane.text, "xyz"[plane.axis], short_number(box.low[plane.axis] * unit.factor),
-                               short_number(box.high[plane.axis] * unit.factor), unit.name));
+                               plane.text, "xyz"[plane.axis], short_number(ends[0] * unit.factor),
+                               short_number(ends[1] * unit.factor), unit.name));
 }
 
 void show_surfaces(const PlotResult& result, const std::optional<ContactZoneBox>& zone, PlotShape& shape) {
