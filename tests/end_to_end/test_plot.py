@@ -77,6 +77,28 @@ class Plot(unittest.TestCase):
         self.assertLessEqual(of_section["largest"][0], of_bodies["largest"][0])
         self.assertGreaterEqual(of_section["smallest"][0], of_bodies["smallest"][0])
 
+    def test_zoom_counts_what_lies_below_the_face(self):
+        """The zone of a ball on a plate is flat, its largest stress lies below it, in the picture: it is that of the report."""
+        outcome = cgcontact("run", scene("hertz"), "--out", "ball", *settings(n=6, output__report="false", output__plots="false"))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        expected = report("ball")["maxima"]["von_mises"]
+        outcome = plot("ball", "--zoom", "contact", "--out", "ball.png")
+        self.assertEqual((outcome.code, outcome.err), (0, ""))
+        value, body, at = told(outcome)["largest"]
+        self.assertAlmostEqual(value / expected["value"], 1, delta=1e-5)
+        self.assertEqual(body, expected["body"])
+        self.assertLess(max(abs(a - b) for a, b in zip(at, expected["at"])), 1e-6)
+
+    def test_steps(self):
+        """The last step is the result; there are no others than those of the scene."""
+        outcome = cgcontact("run", scene("two_solids"), "--out", "steps",
+                            *settings(n=4, output__report="false", steps__loads="[0.5, 1]"))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        first, last, result = (told(plot("steps", *words)) for words in (["--step", "1"], ["--step", "2"], []))
+        self.assertEqual(last, result)
+        self.assertNotEqual(first, last)
+        self.refused(["steps", "--step", "3"], "--step 3", "1 to 2")
+
     def test_all_options(self):
         """Bodies, range, zoom, displacements, fields in cells; the result stays byte for byte, nothing else is left."""
         before = contents("result")

@@ -58,11 +58,16 @@ ContactZoneBox zone_to_look_at(const PlotResult& result, const PlotOptions& opti
   return *zone;
 }
 
-/// Frames what is around the zone, where the displacements have taken it.
+/// Frames what is around the zone, where the displacements have taken it. What counts is a cube as wide as the square
+/// that is seen, corner to corner: a zone is nearly flat, but the largest stress lies below it.
 void look_near(const PlotResult& result, const ContactZoneBox& zone, PlotShape& shape) {
   shape.frame = corners_around(zone.box);
-  SceneBox& near = shape.near.emplace();
-  for (const Vec3& corner : shape.frame) near.add(corner);
+  Panel seen;
+  seen.camera = shape.camera;
+  seen.fit(shape.frame);
+  const Vec3 middle = (zone.box.low + zone.box.high) / 2;
+  const Vec3 half = Vec3::Constant(std::sqrt(0.5) * seen.side / seen.camera.pixels_per_metre);
+  shape.near = SceneBox{middle - half, middle + half};
   Vec3 moved = Vec3::Zero();
   double count = 0;
   for (const DrawnBody& body : result.bodies)
