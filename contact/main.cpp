@@ -30,6 +30,7 @@
 #include "core/decks/deck_scene.hpp"
 #include "core/output/output.hpp"
 #include "core/output/output_compare.hpp"
+#include "core/output/plot/output_plot.hpp"
 #include "core/output/report/output_summary.hpp"
 #include "core/program/cli.hpp"
 #include "core/program/interruption.hpp"
@@ -236,6 +237,10 @@ int main(int argc, char** argv) {
       return flushed(0);
     }
     const InterruptionWatch watch;
+    if (options->command == CommandLine::plot) {
+      fmt::print("{}", plot_result(options->plot_options));
+      return flushed(0);
+    }
     const Scene scene = read_scene_as_region(*options);
     exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
     return flushed(exit_code);

@@ -15,6 +15,7 @@
 #include "core/base/files/text.hpp"
 #include "core/output/fields/output_csv.hpp"
 #include "core/output/pictures/output_gnuplot.hpp"
+#include "core/output/report/read_report.hpp"
 
 namespace cgcontact {
 
@@ -33,20 +34,6 @@ struct ComparedFigure {
     return a != 0 ? std::optional<double>((b - a) / std::abs(a)) : std::nullopt;
   }
 };
-
-Json read_result(const std::string& directory) {
-  const fs::path report = fs::path(directory) / "report.json";
-  std::error_code error;
-  if (!fs::is_directory(directory, error)) throw InputError(fmt::format("{}: there is no such directory", directory));
-  if (!fs::is_regular_file(report, error))
-    throw InputError(fmt::format(
-        "{}: holds no result: there is no report.json (allowed: the output directory of a run)", directory));
-  Json json = Json::parse(read_text(report.string()), nullptr, false);
-  if (!json.is_object() || json.value("program", Json()) != "cgcontact" || !json.value("contact", Json()).is_array() ||
-      !json.value("bodies", Json()).is_array())
-    throw InputError(fmt::format("{}: report.json is not one of a run of cgcontact", directory));
-  return json;
-}
 
 /// The elements of a list by their names.
 std::map<std::string, const Json*> by_name(const Json& list) {
@@ -97,7 +84,7 @@ constexpr ReportEntry body_entries[] = {{"von Mises", "/max_von_mises", "Pa"},
 class Comparer {
  public:
   Comparer(const std::string& first, const std::string& second)
-      : names_{first, second}, reports_{read_result(first), read_result(second)} {
+      : names_{first, second}, reports_{read_report(first), read_report(second)} {
     add(reports_[0], reports_[1], "", run_entries);
     compare_lists("contact", "pair", [this](const std::string& name, const Json& a, const Json& b) {
       const auto force_a = force_of(a), force_b = force_of(b);

@@ -74,6 +74,15 @@ const char* const compare_footer =
     "Bodies and contact pairs are compared by their names.\n"
     "Exit codes: 0 compared, 1 bad input.";
 
+const char* const plot_footer =
+    "Examples:\n"
+    "  cgcontact plot out/rings                                      plot.png: the surfaces, von Mises stress\n"
+    "  cgcontact plot out/rings --field stress_zz --section z=0mm    a section, seen against its axis\n"
+    "  cgcontact plot out/rings --zoom contact --range '0:2 MPa' --out near.png\n"
+    "  cgcontact plot out/rings --field displacement --body inner --deformed 100\n"
+    "The result needs result.vtkhdf (output.vtk = true), steps also steps.vtkhdf, --zoom contact.vtkhdf.\n"
+    "Exit codes: 0 drawn, 1 bad input (nothing is written).";
+
 const char* const init_footer =
     "Examples:\n"
     "  cgcontact init                                  scene.toml: a sphere on a block, with Hertz's solution\n"
@@ -137,6 +146,7 @@ class Parser {
   void add_output(CLI::App& command, const std::string& description);
   void describe_init();
   void describe_study();
+  void describe_plot();
   void refuse_single_dashes(int argc, const char* const* argv) const;
   void take_environment();
   void take_set_variable(const std::string& text);
@@ -248,6 +258,36 @@ void Parser::describe_study() {
   study.add_flag("--resume", options.resume, "Take over what an earlier study in the same directory has finished");
 }
 
+void Parser::describe_plot() {
+  PlotOptions& options = line.plot_options;
+  CLI::App& plot = add_command("plot", CommandLine::plot,
+                               "Draw a finished result again: any field, section, range, place", plot_footer);
+  plot.add_option("DIR", options.directory, "Output directory of a run")
+      ->required()
+      ->type_name("")
+      ->check(not_empty, "");
+  add(plot, "--field", "NAME", "What the colours show [default: von_mises]; a wrong name lists what there is",
+      [&options](const std::string& text) { options.field = text; });
+  add(plot, "--section", "AXIS=VALUE", "Cut the bodies across an axis, such as z=5mm [default: their surfaces]",
+      [&options](const std::string& text) { options.section = parse_plane(text); });
+  add(plot, "--range", "LOW:HIGH", "Ends of the colours, such as '0:300 MPa' [default: from the values]",
+      [&options](const std::string& text) { options.range = parse_ends(text); });
+  add(plot, "--zoom", "contact", "Only what is near a contact zone: contact, or contact:PAIR [default: everything]",
+      [&options](const std::string& text) {
+        options.pair = parse_zoom(text);
+        options.zoom = true;
+      });
+  add(plot, "--step", "K", "Step of a result with steps, from 1 [default: the last one]",
+      [&options](const std::string& text) { options.step = parse_plot_step(text); });
+  plot.add_option("--body", options.bodies, "Draw this body; may be repeated [default: all]")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  add(plot, "--deformed", "FACTOR", "Multiply the displacements that are drawn [default: 1, of sections 0]",
+      [&options](const std::string& text) { options.deformed = parse_deformed(text); });
+  add(plot, "-o,--out", "FILE.png", "Picture to write; a PNG that is there is replaced [default: plot.png]",
+      [&options](const std::string& text) { options.out = text; });
+}
+
 Parser::Parser() {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.set_version_flag("--version", std::string("cgcontact ") + CGCONTACT_VERSION, "Print the version and exit");
@@ -289,6 +329,7 @@ Parser::Parser() {
       .add_option("-o,--out", line.out, "Write compare.csv and the pressure curves there [default: nothing is written]")
       ->type_name("DIR")
       ->check(not_empty, "");
+  describe_plot();
 }
 
 std::vector<std::string> Parser::commands() const {
@@ -378,7 +419,7 @@ std::string Parser::explain_option(const std::string& word, const CLI::App& comm
 
 /// The words of the error in one line, with a suggestion if a word is misspelt.
 std::string Parser::explain(const CLI::Error& error, int argc, const char* const* argv) const {
-  if (argc < 2) return "a command is needed: init, run SCENE, check SCENE, study SCENE or compare A B";
+  if (argc < 2) return "a command is needed: init, run SCENE, check SCENE, study SCENE, compare A B or plot DIR";
   const std::string first = argv[1];
   if (first[0] != '-' && !contains(commands(), first)) {
     const bool is_scene = first.size() > 5 && first.substr(first.size() - 5) == ".toml";

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/program/plot_options.hpp"
 #include "core/program/study_options.hpp"
 #include "core/scene_file/templates/scene_template.hpp"
 
@@ -17,7 +18,7 @@ constexpr const char* threads_variable = "CGCONTACT_THREADS";
 constexpr const char* set_variable = "CGCONTACT_SET";  ///< KEY=VALUE;KEY=VALUE;..., before those of --set
 
 struct CommandLine {
-  enum Command { run, check, study, init, compare };
+  enum Command { run, check, study, init, compare, plot };
   Command command = run;
   std::string scene;                                                  ///< file
   std::string out;                                                    ///< output directory; empty: as the scene says
@@ -29,6 +30,7 @@ struct CommandLine {
   StudyOptions study_options;
   std::string first_result, second_result;  ///< compare: output directories
   InitOptions init_options;
+  PlotOptions plot_options;
   bool settings = false;  ///< check: print them too
   bool quiet = false;     ///< run: print nothing but warnings and errors
   bool json = false;      ///< run: print the report instead of the summary

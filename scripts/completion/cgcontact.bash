@@ -68,12 +68,13 @@ _cgcontact() {
     --unit) _cgcontact_words "$("$program" init --help 2>/dev/null | sed -nE 's/.*Unit of the surface: //p' | tr -d ,)" ;;
     --preconditioner) _cgcontact_words "multigrid muelu" ;;
     -t | --threads) _cgcontact_words "$(seq 1 "$(nproc 2>/dev/null || echo 1)")" ;;
-    --refine | --repeat | --cells) ;;
+    --zoom) _cgcontact_words "contact" ;;
+    --refine | --repeat | --cells | --field | --section | --range | --step | --body | --deformed) ;;
     --backend) compopt -o nospace 2>/dev/null ;;
     *)
       if [[ $current == -* ]]; then
         _cgcontact_words "$(_cgcontact_options "$program" "$command")"
-      elif [[ $command == compare ]]; then
+      elif [[ $command == compare || $command == plot ]]; then
         compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -d -- "$current"))
       else
         _cgcontact_files toml

@@ -10,7 +10,7 @@ import unittest
 import harness
 from harness import cgcontact, report, scene, settings
 
-COMMANDS = ["init", "check", "run", "study", "compare"]
+COMMANDS = ["init", "check", "run", "study", "compare", "plot"]
 VARIABLES = ["CGCONTACT_OUT", "CGCONTACT_THREADS", "CGCONTACT_SET"]
 
 
@@ -45,8 +45,8 @@ class Help(unittest.TestCase):
                     if word.startswith("scenes/"):
                         self.assertTrue((harness.SOURCE / word).is_file(), line)
                 words = [word for word in words[1:] if not word.startswith(("out/", "--out"))]
-                if words[0] in ("study", "compare") or "part." in line or "scene.toml" in line:
-                    continue  # run by test_study.py, test_compare.py, test_init.py, test_documents.py
+                if words[0] in ("study", "compare", "plot") or "part." in line or "scene.toml" in line:
+                    continue  # run by test_study.py, test_compare.py, test_plot.py, test_init.py, test_documents.py
                 if words[0] != "init":
                     words = ["check", *words[1:]]
                 outcome = cgcontact(*[harness.SOURCE / word if word.startswith("scenes/") else word for word in words],

@@ -248,6 +248,7 @@ std::vector<HdfReader::Array> HdfReader::arrays(const std::string& group) const 
     const Handle space(H5Dget_space(object.id), H5Sclose, "open a space"),
         type(H5Dget_type(object.id), H5Tclose, "open a type");
     hsize_t size[2] = {0, 1};
+    if (H5Sget_simple_extent_ndims(space.id) > 2) throw std::runtime_error("HDF5 found an array of three dimensions");
     check(H5Sget_simple_extent_dims(space.id, size, nullptr), "size a data set");
     Array array{group + "/" + name, "", H5Tget_size(type.id), size[0], size[1]};
     const bool is_real = H5Tget_class(type.id) == H5T_FLOAT;

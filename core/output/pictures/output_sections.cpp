@@ -42,15 +42,6 @@ DrawnSection cut(const SectionSpec& spec, const std::vector<DrawnBody>& bodies) 
   return section;
 }
 
-/// Against the normal; the axis that is least along it points up, z before y before x.
-void look_against(const Vec3& normal, Camera& camera) {
-  constexpr double nearly_along = 0.9;
-  camera.eye = normal;
-  const Vec3 up = std::abs(normal[2]) < nearly_along ? Vec3::UnitZ() : Vec3::UnitY();
-  camera.right = up.cross(normal).normalized();
-  camera.up = normal.cross(camera.right);
-}
-
 RenderedImage draw(const DrawnSection& section, const Panel& panel) {
   std::vector<std::array<int, 2>> triangles;  // body, triangle
   for (std::size_t b = 0; b < section.bodies.size(); ++b)

@@ -59,6 +59,14 @@ void look_from(bool behind, Camera& camera) {
   camera.up = camera.eye.cross(camera.right);
 }
 
+void look_against(const Vec3& normal, Camera& camera) {
+  constexpr double nearly_along = 0.9;
+  camera.eye = normal;
+  const Vec3 up = std::abs(normal[2]) < nearly_along ? Vec3::UnitZ() : Vec3::UnitY();
+  camera.right = up.cross(normal).normalized();
+  camera.up = normal.cross(camera.right);
+}
+
 void Sheet::label(const std::string& text, double x, double y, const std::string& style) {
   settings += fmt::format("set label {} at {},{} {}\n", gnuplot_text(text), x, y, style);
 }

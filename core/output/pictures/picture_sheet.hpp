@@ -43,6 +43,8 @@ struct Panel {
 
 /// Looks from above in front, or from below behind.
 void look_from(bool behind, Camera& camera);
+/// Looks against a normal of length 1; the axis that is least along it points up, z before y before x.
+void look_against(const Vec3& normal, Camera& camera);
 
 /// Plots nothing, but draws what the settings of a page hold; the second one with the bar of colours.
 constexpr const char *plot_nothing = "plot NaN notitle\n",
