@@ -51,13 +51,12 @@ Bytes read_png(const std::string& file, int& width, int& height) {
   return pixels;
 }
 
-/// Writes red, green, blue, by row from the top. Fast: a tenth larger in a third of the time.
+/// Writes red, green, blue, by row from the top.
 void write_png(const std::string& file, const Bytes& pixels, int width, int height) {
   Png png(file);
   png.image.width = width;
   png.image.height = height;
   png.image.format = PNG_FORMAT_RGB;
-  png.image.flags = PNG_IMAGE_FLAG_FAST;
   png.check(png_image_write_to_file(&png.image, file.c_str(), 0, pixels.data(), 0, nullptr));
 }
 
