@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "core/drawing/clip_cells.hpp"
 #include "core/drawing/raster.hpp"
 
 namespace cgcontact {
@@ -14,6 +16,20 @@ struct RasterTriangle {
   std::array<RasterVertex, 3> vertices;  ///< counterclockwise seen from outside; seen from inside it is not drawn
   int region = 0;                        ///< outlines separate different ones
 };
+
+/// Returns a triangle of a mesh's boundary with the grid lines of its cell. position(point): where a point of the mesh
+/// is drawn, m; value(corner): gives the colour, corner 0 to 2.
+template <class Position, class Value>
+RasterTriangle raster_triangle(const ClippedMesh& mesh, const BoundaryTriangle& triangle, int region,
+                               const Position& position, const Value& value) {
+  RasterTriangle drawn;
+  drawn.region = region;
+  for (int v = 0; v < 3; ++v) {
+    const int p = triangle.points[v];
+    drawn.vertices[v] = {position(p), std::ldexp(1.0, triangle.level) * mesh.points[p], value(v)};
+  }
+  return drawn;
+}
 
 struct RenderedImage {
   int width = 0, height = 0;

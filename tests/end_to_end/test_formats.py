@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Fields in other formats: result.vtu is result.vtkhdf to the last bit but for the order of cells, as VTK and meshio read it; result.frd, read column by column as
-the format of CalculiX is described, has its nodes, elements and values to the digits that it holds."""
+"""Fields in other formats: result.vtu is result.vtkhdf to the last bit but for the order of cells, as VTK and meshio read it;
+result.frd, read column by column as the format of CalculiX is described, has its nodes, elements and values to the digits that
+it holds."""
 import os
 import pathlib
 import unittest

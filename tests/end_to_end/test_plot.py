@@ -121,7 +121,8 @@ class Plot(unittest.TestCase):
         """One message each, with the option, its value and what is allowed; nothing is drawn."""
         pathlib.Path("plot.png").unlink(missing_ok=True)
         for words, *problem in (
-                (["--field", "mises"], "--field mises", "von_mises, tresca"), (["--field", "von_mise"], 'did you mean "von_mises"'),
+                (["--field", "mises"], "--field mises", "von_mises, tresca"),
+                (["--field", "von_mise"], 'did you mean "von_mises"'),
                 (["--section", "z=5"], "--section", "has no unit"), (["--section", "w=5mm"], "--section", "w=5mm"),
                 (["--section", "z=1m"], "--section z=1m", "meets no body", "0 and 20 mm"),
                 (["--range", "3:1 MPa"], "--range", "3:1 MPa"), (["--range", "1:3"], "--range", "has no unit", "MPa"),

@@ -104,14 +104,10 @@ RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodie
   const auto triangle = [&](std::size_t k) {
     const auto [b, i] = triangles[k];
     const DrawnBody& body = drawing.drawn[b];
-    RasterTriangle drawn;
-    drawn.region = region_of(b, i);
     const double value = packed(colour(b, i));
-    for (int v = 0; v < 3; ++v) {
-      const int p = body.mesh.boundary[i].points[v];
-      drawn.vertices[v] = {body.position[p], std::ldexp(1.0, body.mesh.boundary[i].level) * body.mesh.points[p], value};
-    }
-    return drawn;
+    return raster_triangle(
+        body.mesh, body.mesh.boundary[i], region_of(b, i), [&](int p) { return body.position[p]; },
+        [&](int) { return value; });
   };
   return render(view.size, view.camera, unpacked, 0.7, triangles.size(), triangle);
 }

@@ -46,12 +46,9 @@ RenderedImage draw(const std::vector<DrawnBody>& bodies, const Panel& view, cons
     const auto [b, i] = triangles[k];
     const DrawnBody& body = bodies[b];
     const BoundaryTriangle& t = body.mesh.boundary[i];
-    RasterTriangle drawn;
-    drawn.region = static_cast<int>(b);
     const double value = packed(colour(b, t.cell));
-    for (int v = 0; v < 3; ++v)
-      drawn.vertices[v] = {body.position[t.points[v]], std::ldexp(1.0, t.level) * body.mesh.points[t.points[v]], value};
-    return drawn;
+    return raster_triangle(
+        body.mesh, t, static_cast<int>(b), [&](int p) { return body.position[p]; }, [&](int) { return value; });
   };
   return render(view.size, view.camera, unpacked, 0.7, triangles.size(), triangle);
 }

@@ -121,15 +121,11 @@ std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, 
   const auto triangle = [&](std::size_t i) {
     const DrawnBody& body = bodies[triangles[i][0]];
     const Vec3 shift = triangles[i][0] * step * view.camera.eye;
-    RasterTriangle drawn;
-    drawn.region = triangles[i][0];
-    for (int v = 0; v < 3; ++v) {
-      const int p = body.mesh.boundary[triangles[i][1]].points[v];
-      drawn.vertices[v].position = drawn_position(body, p, view.exaggeration) + shift;
-      drawn.vertices[v].grid = std::ldexp(1.0, body.mesh.boundary[triangles[i][1]].level) * body.mesh.points[p];
-      drawn.vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
-    }
-    return drawn;
+    const BoundaryTriangle& boundary = body.mesh.boundary[triangles[i][1]];
+    return raster_triangle(
+        body.mesh, boundary, triangles[i][0],
+        [&](int p) { return Vec3(drawn_position(body, p, view.exaggeration) + shift); },
+        [&](int v) { return (von_mises(body.stress[boundary.points[v]]) - view.low) / (view.high - view.low); });
   };
   return render(size, view.camera, palette_colour, view.thin_axis < 0 ? 1.0 : 0.0, triangles.size(), triangle).pixels;
 }

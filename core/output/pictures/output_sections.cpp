@@ -52,14 +52,10 @@ RenderedImage draw(const DrawnSection& section, const Panel& panel) {
     const auto [b, t] = triangles[i];
     const DrawnBody& body = section.bodies[b];
     const BoundaryTriangle& triangle = body.mesh.boundary[t];
-    RasterTriangle drawn;
-    drawn.region = b;
-    for (int v = 0; v < 3; ++v) {
-      const int p = triangle.points[v];
-      drawn.vertices[v] = {body.position[p], std::ldexp(1.0, triangle.level) * body.mesh.points[p],
-                           (section.values[b][p] - section.low) / range};
-    }
-    return drawn;
+    const std::vector<double>& values = section.values[b];
+    return raster_triangle(
+        body.mesh, triangle, b, [&](int p) { return body.position[p]; },
+        [&](int v) { return (values[triangle.points[v]] - section.low) / range; });
   });
 }
 

@@ -27,10 +27,10 @@ std::string extreme_line(const char* which, const PlotExtreme& extreme, const Pl
 std::string plot_result(const PlotOptions& options) {
   const PictureFile out(options.out, options.directory);
   const auto step = static_cast<std::size_t>(options.step);
-  read_report(options.directory);  // before its files: a directory without it is no result
+  const Json report = read_report(options.directory);  // before its files: a directory without it is no result
   const VtkArrays file(result_file(options.directory, step));
   const PlotField field = plot_field(options.field, file);
-  const PlotResult result = read_plot_result(options.directory, step, file);
+  const PlotResult result = read_plot_result(options.directory, report, step, file);
   const PlotShape shape = shape_to_plot(result, options);
   const PlotValues values = values_to_plot(field, result, shape, file, options.range);
   out.draw([&](GnuplotRuns& runs, const std::string& name) {

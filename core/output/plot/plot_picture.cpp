@@ -67,18 +67,13 @@ RenderedImage pixels_of(const Panel& view, const PlotShape& shape, const PlotVal
   const double step = nearer_by / (view.camera.pixels_per_metre * static_cast<double>(shape.shown.size()));
   const double range = values.high - values.low;
   return render(view.size, view.camera, palette_colour, shape.shaded ? 1.0 : 0.0, triangles.size(), [&](std::size_t i) {
-    const auto [b, t] = triangles[i];
+    const int b = triangles[i].body;
     const DrawnBody& body = shape.shown[b];
-    const BoundaryTriangle& triangle = body.mesh.boundary[t];
-    RasterTriangle drawn;
-    drawn.region = b;
-    for (int v = 0; v < 3; ++v) {
-      const int p = triangle.points[v];
-      drawn.vertices[v] = {shape.drawn(body, p) + b * step * view.camera.eye,
-                           std::ldexp(1.0, triangle.level) * body.mesh.points[p],
-                           (values.at(b, triangle, v) - values.low) / range};
-    }
-    return drawn;
+    const BoundaryTriangle& triangle = body.mesh.boundary[triangles[i].triangle];
+    const Vec3 shift = b * step * view.camera.eye;
+    return raster_triangle(
+        body.mesh, triangle, b, [&](int p) { return Vec3(shape.drawn(body, p) + shift); },
+        [&](int v) { return (values.at(b, triangle, v) - values.low) / range; });
   });
 }
 

@@ -8,7 +8,6 @@
 #include "core/base/errors/errors.hpp"
 #include "core/output/plot/cell_faces.hpp"
 #include "core/output/plot/cell_grid.hpp"
-#include "core/output/report/read_report.hpp"
 
 namespace cgcontact {
 
@@ -199,7 +198,7 @@ std::string result_file(const std::string& directory, std::size_t step) {
                   step, directory));
 }
 
-PlotResult read_plot_result(const std::string& directory, std::size_t step, const VtkArrays& file) {
+PlotResult read_plot_result(const std::string& directory, const Json& report, std::size_t step, const VtkArrays& file) {
   PlotResult result;
   result.directory = directory;
   result.step = step;
@@ -207,7 +206,7 @@ PlotResult read_plot_result(const std::string& directory, std::size_t step, cons
   if (step > result.num_steps)
     throw InputError(fmt::format("--step {}: {} has {} steps (allowed: 1 to {})", step, directory, result.num_steps,
                                  result.num_steps));
-  add_report(read_report(directory), result);
+  add_report(report, result);
   result.bodies = read_drawn_bodies(file, result.grids.size(), step, result.first_cell);
   const std::vector<long long> cells =
       file.has("CellData/cell") ? file.integers("CellData/cell") : std::vector<long long>();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/files/json.hpp"
 #include "core/drawing/drawn_body.hpp"
 #include "core/output/plot/vtk_arrays.hpp"
 #include "core/results/results.hpp"
@@ -29,9 +30,9 @@ struct PlotResult {
 /// not there.
 std::string result_file(const std::string& directory, std::size_t step);
 
-/// Reads bodies with displacement and recovered stress, the report, and the contact where there is a contact.vtkhdf.
-/// Throws InputError that names the file if one is missing or damaged.
-PlotResult read_plot_result(const std::string& directory, std::size_t step, const VtkArrays& file);
+/// Reads bodies with displacement and recovered stress, and the contact where there is a contact.vtkhdf; `report`: of
+/// the directory. Throws InputError that names the file if one is missing or damaged.
+PlotResult read_plot_result(const std::string& directory, const Json& report, std::size_t step, const VtkArrays& file);
 
 /// Returns the bodies in a file of so many. Points that no cell has, on the boundaries of CAD bodies and surfaces, are
 /// those of the body before them. Throws InputError where sizes and numbers do not fit together.

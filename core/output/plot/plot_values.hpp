@@ -20,7 +20,7 @@ struct PlotExtreme {
 struct PlotValues {
   std::vector<std::vector<double>> of_points;  ///< of the points of the bodies that are shown
   std::vector<std::vector<double>> of_cells;   ///< of the cells of the bodies, for a field in cells
-  /// Of a section in it, of surfaces in the whole bodies that are drawn; near a contact zone only there.
+  /// Extremes in the section, or in the whole bodies whose surfaces are drawn; near a contact zone only there.
   PlotExtreme largest, smallest;
   double low = 0, high = 1;  ///< ends of the colours
 
