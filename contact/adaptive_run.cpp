@@ -231,6 +231,7 @@ bool AdaptiveRun::set_up(const AdaptiveCallbacks& callbacks) {
     return true;
   }
   needed_ = static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
+  is_counted_ = false;
   if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
     const double enough = first_exploration * std::pow(4.0, static_cast<double>(figures_.solves.size() - 1));
     if (enough < allowed && set_up_within(enough, 1, callbacks)) return true;
@@ -273,7 +274,10 @@ bool AdaptiveRun::set_up_within(double allowed, double factor, const AdaptiveCal
       grow(refused_growth);
       continue;
     }
-    if (factor == 1) needed_ = count_unknowns(next_->state.bodies);
+    if (factor == 1) {
+      needed_ = count_unknowns(next_->state.bodies);
+      is_counted_ = true;
+    }
     const double times = excess(allowed);
     if (times > 1) {
       grow(step * std::pow(1 / times, 1 / coarsening_power));
@@ -290,6 +294,12 @@ bool AdaptiveRun::set_up_within(double allowed, double factor, const AdaptiveCal
   }
   next_.reset();
   return false;
+}
+
+/// Tells what the targets ask for. Where no zone is resolved, the sizes that would do are no more than a first guess.
+std::string AdaptiveRun::needed_text() const {
+  if (!resolved_ && !is_counted_) return "no grid within it resolves the zones";
+  return fmt::format("{}{} unknowns would be needed", is_counted_ ? "" : "about ", number(needed_));
 }
 
 /// Returns whether a solve is to be given up: time is over, and there is a solution already.
@@ -395,6 +405,20 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   return errors;
 }
 
+/// Adds what the phases of the answer leave of `all`, s: other solves, and grids that no solve came to. `paths`: s, of
+/// the phases, and not of `all`.
+void AdaptiveRun::tell_other_times(double all, double paths, Results& results) const {
+  double own = -paths, solved = 0;
+  for (const auto& [phase, s] : results.times_s) own += s;
+  for (const SolveFigures& solve : figures_.solves) solved += solve.seconds;
+  const double unused = all - solved, others = solved - own;
+  const auto add = [&](const char* phase, double s) {
+    if (s > told_fraction * all) results.times_s.insert(results.times_s.begin(), {phase, s});
+  };
+  add("grids without a solve", unused);
+  add("other solves", others);
+}
+
 void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   AdaptiveCallbacks callbacks = told;
   callbacks.phase = [&](const std::string& name) {
@@ -415,11 +439,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   figures_.seconds = all;
   if (results.converged && number_ + 1 < figures_.solves.size())
     figures_.text += fmt::format("; the results are those of solve {}", number_ + 1);
-  double own = 0;  // what the solve has phases for
-  for (const auto& [phase, s] : results.times_s) own += s;
-  own -= seconds() - all;
-  if (figures_.solves.size() > 1 || all - own > told_fraction * all)
-    results.times_s.insert(results.times_s.begin(), {"other solves", std::max(0.0, all - own)});
+  tell_other_times(all, seconds() - all, results);
   if (results.converged) results.singular_points = singular_points(simulation_->state, energies());
   if (!results.singular_points.empty()) estimate_peak_errors(results);  // none at a singular position
   for (const SingularPoint& point : results.singular_points) results.warnings.push_back(describe(point));
@@ -433,8 +453,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
   for (;;) {
     if (!set_up(callbacks)) {
       figures_.text = after_failure() +
-                      (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
-                                                      limit_, number(needed_))
+                      (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {}", limit_, needed_text())
                                         : "the next grid was refused: " + refused_);
       break;
     }

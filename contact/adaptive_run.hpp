@@ -45,6 +45,8 @@ class AdaptiveRun {
   void keep(const SolveFigures& solve, const ErrorFigures& errors);
   void take_best();
   std::vector<std::vector<CellEnergies>> energies() const;
+  std::string needed_text() const;
+  void tell_other_times(double all, double paths, Results& results) const;
   bool is_out_of_time() const;
   double allowed_unknowns() const;
   double seconds_of_cells(double unknowns) const;
@@ -91,6 +93,7 @@ class AdaptiveRun {
   double own_ = 0;                           // s, of the last solve and its own grid; others may have been tried before
   const char* limit_ = "";                   // that binds the next grid
   double needed_ = 0;                        // unknowns of the grid that the targets ask for
+  bool is_counted_ = false;                  // that grid was made; else its unknowns are an estimate
 };
 
 }  // namespace cgcontact

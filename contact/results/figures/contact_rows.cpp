@@ -160,7 +160,8 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
   if (pairs_rub(state, pair)) set_friction(model, link, n, row);
   const bool carries = model.spec->rigid() || carries_pressure(state, body, cell, pair, position, n);
-  if (state.scene.recovery.spr_c && (far || !carries)) row.pressure_sprc = 0;
+  const bool pulls = !row.active && row.pressure_sprc < 0;  // beside the zone, where the stress overshoots
+  if (state.scene.recovery.spr_c && (far || !carries || pulls)) row.pressure_sprc = 0;
   if (const auto face = state.faces.at(pair, body, row.x, n)) row.pressure_sprc = face->pressure;
   limit_shear(state.pairs[pair].friction(), row);
   return row;

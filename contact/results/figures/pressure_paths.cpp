@@ -40,16 +40,21 @@ const ContactRow* largest_row(const Results& results, int pair) {
   return largest;
 }
 
-/// Returns the tangent along which the zone is longest, seen from the largest pressure.
+/// Returns the tangent at the largest pressure along which the zone is longest.
 Vec3 direction_of(const Results& results, const ContactRow& top) {
+  double area = 0;
+  Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   for (const ContactRow& r : results.contact_rows) {
     if (r.pair != top.pair || r.body != top.body || !(r.pressure_sprc > hardly_any_pressure * top.pressure_sprc))
       continue;
     Vec3 d = r.x - top.x;
     d -= d.dot(top.normal) * top.normal;
+    area += r.weight;
+    first += r.weight * d;
     second += r.weight * d * d.transpose();
   }
+  second -= first * first.transpose() / area;  // about the middle: the largest pressure may lie at an end
   const SymmetricEigen<3> solver(second);
   for (int k = 0; k < 3; ++k) {
     Vec3 axis = Vec3::Unit(k);

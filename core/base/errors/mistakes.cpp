@@ -57,4 +57,9 @@ std::vector<std::string> messages_of(const InputError& error) {
   return several ? several->messages() : std::vector<std::string>{error.what()};
 }
 
+void MistakeList::throw_if_any(const std::string& file) const {
+  if (!messages_.empty()) throw Mistakes(messages_, file);
+  if (has_following_) throw FollowingMistake();
+}
+
 }  // namespace cgcontact

@@ -25,7 +25,8 @@ namespace {
 
 constexpr std::size_t max_maps = 12;
 constexpr int map_side = 720;
-constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
+constexpr double hidden_by_curve = 0.1;  ///< of the pressure across such a face, root mean squares: no curve beyond
+constexpr double thin_face = 0.25;       ///< ratio of the sides below which a face is drawn as a curve
 /// Distances along a curve, in the body's smallest cells and in fractions of the curve, within which rows of
 /// contact.csv are one point: beside each other on the face they have pressures of their own.
 constexpr double bin_in_cells = 0.5, max_bins = 400;
@@ -326,6 +327,7 @@ struct FaceLayout {
   bool section = false;          ///< nothing varies across the curve
   std::optional<SceneBox> part;  ///< of space that the curve is drawn of; none: all
   bool all = true;               ///< the whole face is shown
+  double hidden = 0;             ///< by a curve of means, see hidden_by_means()
   std::array<Vec3, 2> tips{};    ///< m, where the face begins and ends along the curve
   bool holds(const Vec3& x) const {
     return !part || ((x - part->low).minCoeff() >= 0 && (part->high - x).minCoeff() >= 0);
@@ -366,19 +368,23 @@ FaceLayout layout_of_section(const FaceTriangles& face, const FaceTriangles& zon
       part.triangles.push_back(t);
   }
   const FaceChart chart(part);
-  FaceLayout layout{chart, bounds(part, chart), chart.axis_across(across), true, box, true, {}};
+  FaceLayout layout{chart, bounds(part, chart), chart.axis_across(across), true, box, true, 0, {}};
   layout.paper.low[1 - *layout.axis] = layout.paper.high[1 - *layout.axis] = 0;
   layout.all = part.triangles.size() == face.triangles.size();
   layout.tips = tips_of(part, chart, *layout.axis);
   return layout;
 }
 
-/// A curve of means where the face is much longer than wide, else a map.
-FaceLayout layout_of_face(const FaceTriangles& face, const FaceTriangles& zone, double cell_size) {
+bool is_thin(const FaceTriangles& face) {
+  const Paper whole = bounds(face, FaceChart(face));
+  return std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
+}
+
+/// `curve`: of means across the face, else a map.
+FaceLayout layout_of_face(const FaceTriangles& face, const FaceTriangles& zone, double cell_size, bool curve) {
   const FaceChart chart(face);
   const Paper whole = bounds(face, chart);
-  const bool curve = std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
-  FaceLayout layout{curve ? chart : FaceChart(zone), whole, std::nullopt, false, std::nullopt, true, {}};
+  FaceLayout layout{curve ? chart : FaceChart(zone), whole, std::nullopt, false, std::nullopt, true, 0, {}};
   const Paper all = bounds(face, layout.chart);
   layout.paper = zoomed(bounds(zone, layout.chart), all, cell_size);
   layout.all = layout.paper.largest() >= 0.99 * all.largest();
@@ -390,7 +396,7 @@ FaceLayout layout_of_face(const FaceTriangles& face, const FaceTriangles& zone, 
 
 /// Sums over the rows in a bin of a curve.
 struct Bin {
-  double coordinate = 0, pressure = 0, closed = 0, weight = 0;
+  double coordinate = 0, pressure = 0, square = 0, closed = 0, weight = 0;
   bool is_closed() const { return 2 * closed > weight; }
 };
 
@@ -407,24 +413,41 @@ double bin_width(const Results& results, int body, const FaceLayout& layout) {
   return layout.section ? least : std::max(bin_in_cells * smallest_cell(results, body), least);
 }
 
+/// The bins of a body's curve, by number.
+std::map<long long, Bin> bins_of(const Results& results, const Face& face, const FaceLayout& layout, int body) {
+  const double width = bin_width(results, body, layout);
+  std::map<long long, Bin> bins;
+  for (const ContactRow& row : results.contact_rows) {
+    if (row.body != body || row.pair != static_cast<int>(face.pair) || !layout.holds(row.x)) continue;
+    if (!std::isfinite(row.distance)) continue;  // beyond the end of the other face
+    const double s = layout.chart.position(row.x)[*layout.axis];
+    Bin& bin = bins[std::llround(s / width)];
+    bin.coordinate += row.weight * s;
+    bin.pressure += row.weight * row.pressure_sprc;
+    bin.square += row.weight * row.pressure_sprc * row.pressure_sprc;
+    bin.closed += row.active ? row.weight : 0;
+    bin.weight += row.weight;
+  }
+  return bins;
+}
+
+/// Returns the root mean square over the face of what a curve of means hides, relative to that of the pressure.
+double hidden_by_means(const Results& results, const Face& face, const FaceLayout& layout) {
+  double hidden = 0, whole = 0;
+  for (const auto& [number, bin] : bins_of(results, face, layout, face.body)) {
+    if (!(bin.weight > 0)) continue;
+    hidden += bin.square - bin.pressure * bin.pressure / bin.weight;
+    whole += bin.square;
+  }
+  return whole > 0 ? std::sqrt(std::max(0.0, hidden / whole)) : 0;
+}
+
 std::vector<MeanCurve> mean_curves(const Results& results, const Face& face, const FaceLayout& layout) {
-  const int axis = *layout.axis;
   std::vector<MeanCurve> curves;
   for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
-    const double width = bin_width(results, b, layout);
-    std::map<long long, Bin> bins;
-    for (const ContactRow& row : results.contact_rows) {
-      if (row.body != b || row.pair != static_cast<int>(face.pair) || !layout.holds(row.x)) continue;
-      if (!std::isfinite(row.distance)) continue;  // beyond the end of the other face
-      const double s = layout.chart.position(row.x)[axis];
-      Bin& bin = bins[std::llround(s / width)];
-      bin.coordinate += row.weight * s;
-      bin.pressure += row.weight * row.pressure_sprc;
-      bin.closed += row.active ? row.weight : 0;
-      bin.weight += row.weight;
-    }
     MeanCurve curve{b, {}, {}};
     const Bin* previous = nullptr;
+    const std::map<long long, Bin> bins = bins_of(results, face, layout, b);
     for (const auto& [number, bin] : bins) {
       if (!(bin.weight > 0)) continue;
       curve.points.push_back({bin.coordinate / bin.weight, bin.pressure / bin.weight});
@@ -541,11 +564,24 @@ std::string curve_script(const Results& results, const Face& face, const FaceLay
   return script + "\nunset arrow\nunset grid\n";
 }
 
+/// A curve of means where the face is much longer than wide and the means hide little, else a map.
+FaceLayout layout_of_face(const Results& results, const Face& face, const FaceTriangles& zone, double cell_size) {
+  if (is_thin(face.shape)) {
+    FaceLayout curve = layout_of_face(face.shape, zone, cell_size, true);
+    curve.hidden = hidden_by_means(results, face, curve);
+    if (curve.hidden < hidden_by_curve) return curve;
+  }
+  return layout_of_face(face.shape, zone, cell_size, false);
+}
+
 std::string caption_of(const Results& results, const Face& face, const FaceLayout& layout) {
   const std::string& body = results.bodies[face.body].name;
   std::string caption =
-      layout.section ? "Pressure along the contact face, across which nothing varies"
-      : layout.axis  ? "Pressure along the contact face, mean over its narrow side"
+      layout.section ? std::string("Pressure along the contact face, across which nothing varies")
+      : layout.axis  ? fmt::format(
+                           "Pressure along the contact face, mean over its narrow side, across which it varies by "
+                            "{} (root mean square)",
+                           percent_number(layout.hidden) + " %")
       : results.pairs[face.pair].bonded
           ? fmt::format("Normal traction on the bonded face of {} with its cells, pressure positive", body)
           : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)", body);
@@ -584,7 +620,7 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
     const Grid& grid = results.bodies[face.body].cut_cells->grid;
     const FaceLayout layout = grid.plane_strain >= 0
                                   ? layout_of_section(face.shape, zone, grid.rotation.col(grid.plane_strain), cell_size)
-                                  : layout_of_face(face.shape, zone, cell_size);
+                                  : layout_of_face(results, face, zone, cell_size);
     const std::string name = pair == 0 ? "pressure_map" : fmt::format("pressure_map_{}", pair + 1);
     const std::string folder = runs.directory() + "/plots";
     if (layout.axis) {

@@ -42,7 +42,12 @@ std::string solves_text(const AccuracyFigures& accuracy) {
   double seconds = 0;
   for (const SolveFigures& solve : accuracy.solves) seconds += solve.seconds;
   const std::size_t count = accuracy.solves.size();
-  return fmt::format("{} solve{}, {:.1f} s", count, count == 1 ? "" : "s", std::max(seconds, accuracy.seconds));
+  std::string text =
+      fmt::format("{} solve{}, {:.1f} s", count, count == 1 ? "" : "s", std::max(seconds, accuracy.seconds));
+  const double unused = accuracy.seconds - seconds;
+  if (unused > std::max(0.1, 0.01 * seconds))
+    text += fmt::format(" ({:.1f} s of them for grids without a solve)", unused);
+  return text;
 }
 
 }  // namespace cgcontact

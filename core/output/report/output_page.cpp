@@ -594,8 +594,8 @@ std::string probes_section(const Results& results, const PageContents& contents)
   for (const ProbeFigures& probe : results.probes) {
     const auto value = [&](std::size_t f, const Extreme& extreme) {
       const bool is_metres = is_length(probe.fields[f]);
-      return cell((is_metres ? length_figure(extreme.value) : stress(extreme.value)) + "<br/>" +
-                  html_position(extreme.at));
+      return cell((is_metres ? length_figure(extreme.value) : stress(extreme.value)) + "<br/><small>" +
+                  html_position(extreme.at) + "</small>");
     };
     for (std::size_t f = 0; f < probe.fields.size(); ++f) {
       const auto range = range_of(probe, f);
@@ -741,7 +741,7 @@ std::string maxima_section(const Results& results) {
   bool any_yield = false;
   for (const BodyExtremes& body : results.extremes) any_yield |= body.body.safety_factor.has_value();
   const auto with_position = [](const std::string& value, const Extreme& extreme) {
-    return cell(value + "<br/>" + html_position(extreme.at));
+    return cell(value + "<br/><small>" + html_position(extreme.at) + "</small>");
   };
   const auto add = [&](const std::string& name, const Extremes& most) {
     const Extreme& u = most.displacement;
@@ -859,7 +859,8 @@ std::string cost_section(const Results& results) {
                               "it counts as their neighbours'.",
                               count(results.cells.joined)));
   if (results.accuracy.asked)
-    text += "<p class=\"run\">All solves: " + html_text(solves_text(results.accuracy)) + ". Of the last one:</p>\n";
+    text += "<p class=\"run\">All solves: " + html_text(solves_text(results.accuracy)) +
+            ". Phases are those of the last one:</p>\n";
   if (!rows.empty()) {
     rows.push_back(name_cell("sum") + "<td class=\"run\">" + seconds(total) + "</td>" + cell(""));
     text += table({"Phase", "Wall time", ""}, rows);

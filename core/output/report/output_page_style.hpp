@@ -16,7 +16,7 @@ inline const std::string page_style = R"css(
   img { background: #fff; border-radius: 4px; }
 }
 * { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 64rem; padding: 1rem; color: var(--text); background: var(--back);
+body { margin: 0 auto; max-width: 70rem; padding: 1rem; color: var(--text); background: var(--back);
   font: 16px/1.5 system-ui, "Segoe UI", "Helvetica Neue", "DejaVu Sans", sans-serif; overflow-wrap: anywhere; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0.5rem 0 0; }
 h2 { font-size: 1.2rem; margin: 2.2rem 0 0.6rem; padding-bottom: 0.2rem; border-bottom: 2px solid var(--line); }
@@ -49,6 +49,7 @@ thead th { color: var(--quiet); font-weight: 600; border-bottom: 2px solid var(-
   vertical-align: bottom; overflow-wrap: normal; }
 tbody th, thead th:first-child { text-align: left; font-weight: 600; }
 tbody th { max-width: 14rem; white-space: normal; overflow-wrap: anywhere; min-width: 5rem; }
+td small { color: var(--quiet); }
 td.text { text-align: left; white-space: normal; min-width: 14rem; }
 td.bar { width: 10rem; min-width: 6rem; padding-left: 0; }
 td.bar span { display: block; height: 0.75rem; background: #2070b8; border-radius: 2px; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/errors/mistakes.hpp"
 #include "core/base/errors/suggest.hpp"
 
 namespace cgcontact {
@@ -11,7 +12,8 @@ namespace {
 
 const std::vector<std::string> value_keys{"E", "nu", "density", "expansion", "yield"};
 
-Material read_values(const TomlCursor& node) {
+/// `keys`: all that the table may have.
+Material read_values(const TomlCursor& node, const std::vector<std::string>& keys) {
   Range poisson;
   poisson.min = -1;
   poisson.max = 0.5;
@@ -23,14 +25,25 @@ Material read_values(const TomlCursor& node) {
   modulus.text = "1e-9 to 1e21 Pa";
   modulus.unit = "Pa";
   Material material;
-  const TomlCursor youngs_modulus = node.at("E", "> 0 Pa");
-  youngs_modulus.number(Range::positive("Pa"));
-  material.youngs_modulus = youngs_modulus.number(modulus);
-  material.modulus_has_units = youngs_modulus.quantity().has_units;
-  material.poisson_ratio = node.at("nu", "-1 < nu < 0.5").number(poisson);
-  if (const auto value = node.find("density")) material.density = value->number(Range::positive("kg/m^3"));
-  if (const auto value = node.find("expansion")) material.expansion = value->number(Range::any("1/K"));
-  if (const auto value = node.find("yield")) material.yield_stress = value->number(Range::positive("Pa"));
+  MistakeList mistakes;
+  const bool known_keys = mistakes.attempt([&] { node.expect_keys(keys); });
+  const auto read = [&](const char* key, const auto& task) {
+    if (const auto value = node.find(key)) mistakes.attempt([&] { task(*value); });
+  };
+  read("E", [&](const TomlCursor& value) {
+    value.number(Range::positive("Pa"));
+    material.youngs_modulus = value.number(modulus);
+    material.modulus_has_units = value.quantity().has_units;
+  });
+  read("nu", [&](const TomlCursor& value) { material.poisson_ratio = value.number(poisson); });
+  read("density", [&](const TomlCursor& value) { material.density = value.number(Range::positive("kg/m^3")); });
+  read("expansion", [&](const TomlCursor& value) { material.expansion = value.number(Range::any("1/K")); });
+  read("yield", [&](const TomlCursor& value) { material.yield_stress = value.number(Range::positive("Pa")); });
+  if (known_keys) {  // else what seems to be missing may be the key that is not known
+    mistakes.attempt([&] { node.at("E", "> 0 Pa"); });
+    mistakes.attempt([&] { node.at("nu", "-1 < nu < 0.5"); });
+  }
+  mistakes.throw_if_any(node.text().file);
   return material;
 }
 
@@ -48,13 +61,12 @@ SceneMaterials::SceneMaterials(const TomlCursor& root) : materials_(material_lib
   for (const TomlCursor& node : list->elements("[[material]] sections")) {
     std::vector<std::string> keys = value_keys;
     keys.insert(keys.begin(), "name");
-    node.expect_keys(keys);
     const TomlCursor name_node = node.at("name", "a name");
     const std::string name = read_name(name_node);
     const std::vector<std::string> known = names_of(materials_);
     if (std::find(known.begin(), known.end(), name) != known.end())
       name_node.fail("is the name of another material, of the scene or of the library", "none of " + join(known));
-    materials_.push_back({name, read_values(node)});
+    materials_.push_back({name, read_values(node, keys)});
   }
 }
 
@@ -75,10 +87,7 @@ Material SceneMaterials::read_rigid(const std::optional<TomlCursor>& node) const
 }
 
 Material SceneMaterials::read(const TomlCursor& node) const {
-  if (!node.is_string()) {
-    node.expect_keys(value_keys);
-    return read_values(node);
-  }
+  if (!node.is_string()) return read_values(node, value_keys);
   const std::string name = node.string("the name of a material");
   for (const NamedMaterial& entry : materials_)
     if (entry.name == name) return entry.material;

@@ -321,24 +321,26 @@ RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body
 void SceneReader::read_faces_of_body(const TomlCursor& node, BodySpec& body, const Shape& shape) {
   std::set<std::string> seen;
   for (const TomlCursor& entry : node.elements("[{name, surfaces, box, normal}, ...]"))
-    unread_.back().faces |= !attempt([&] {
+    unread_.back().faces |= !mistakes_.attempt([&] {
       body.faces.push_back(read_face(entry, shape));
       check_unique(entry.at("name"), body.faces.back().name, seen, "face of this body");
     });
 }
 
-/// Adds a body and its shape, what of them can be read.
-void SceneReader::read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials) {
+/// Adds a body and its shape, what of them can be read. Among keys that are not known may be one that seems to be
+/// missing.
+void SceneReader::read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials, bool known_keys) {
   Shape& shape = shapes_.back();
   BodySpec& body = scene_.bodies.back();
   body.location = node.location();
-  unread_.back().shape = !attempt([&] { shape = read_shape(node); });
+  const auto is_there = [&](const char* key) { return known_keys || node.find(key); };
+  unread_.back().shape = !is_there("shape") || !mistakes_.attempt([&] { shape = read_shape(node); });
   body.solid = shape.solid;
   body.notes = shape.notes;
   body.warnings = shape.warnings;
   body.repairs = shape.repairs;
   if (const auto node_of_shape = node.find("shape")) body.plain_lengths = has_plain_length(*node_of_shape);
-  const bool has_material = attempt([&] {
+  const bool has_material = is_there("material") && mistakes_.attempt([&] {
     const auto rigid = node.find("rigid"), material = node.find("material");
     if (!materials) throw FollowingMistake();
     body.material = rigid && rigid->boolean()
@@ -346,16 +348,16 @@ void SceneReader::read_body(const TomlCursor& node, const std::optional<SceneMat
                         : materials->read(node.at("material", "\"steel\" or another name, or {E = .., nu = ..}"));
   });
   // Without it the first grid of a run to an accuracy comes from the shape, that of a rigid body from its partners.
-  const bool wants_size = has_material && !(scene_.accuracy.any() || body.rigid());
+  const bool wants_size = known_keys && has_material && !(scene_.accuracy.any() || body.rigid());
   bool has_size = true;
   if (node.find("cell_size") || wants_size)
-    has_size =
-        attempt([&] { body.cell_size = unread_.back().shape ? read_cell_size(node) : read_cell_size(node, shape); });
-  if (const auto grid = node.find("grid")) attempt([&] { read_grid(*grid, body); });
+    has_size = mistakes_.attempt(
+        [&] { body.cell_size = unread_.back().shape ? read_cell_size(node) : read_cell_size(node, shape); });
+  if (const auto grid = node.find("grid")) mistakes_.attempt([&] { read_grid(*grid, body); });
   if (const auto force = node.find("body_force"))
-    attempt([&] { body.body_force = read_vector_field(*force, "N/m^3"); });
+    mistakes_.attempt([&] { body.body_force = read_vector_field(*force, "N/m^3"); });
   if (const auto temperature = node.find("temperature"); temperature && has_material)
-    attempt([&] {
+    mistakes_.attempt([&] {
       if (body.rigid())
         temperature->fail("a rigid body does not expand", "without temperature, or without rigid = true");
       body.temperature = read_temperature(*temperature, body.material);
@@ -363,11 +365,11 @@ void SceneReader::read_body(const TomlCursor& node, const std::optional<SceneMat
   const auto faces = node.find("faces"), refine = node.find("refine");
   unread_.back().faces |= unread_.back().shape;
   if (faces && !unread_.back().shape)
-    unread_.back().faces |= !attempt([&] { read_faces_of_body(*faces, body, shape); });
+    unread_.back().faces |= !mistakes_.attempt([&] { read_faces_of_body(*faces, body, shape); });
   if (refine && has_size && !unread_.back().faces)
-    attempt([&] {
+    mistakes_.attempt([&] {
       for (const TomlCursor& entry : refine->elements("[{sphere, size}, ...]"))
-        attempt([&] { body.refine.push_back(read_refine(entry, body, shape)); });
+        mistakes_.attempt([&] { body.refine.push_back(read_refine(entry, body, shape)); });
     });
 }
 
@@ -476,26 +478,23 @@ void SceneReader::read_bodies(const TomlCursor& root) {
   const std::vector<TomlCursor> nodes = list.elements("[[body]] sections");
   if (nodes.empty()) list.fail("there is no body", "one [[body]] section per body");
   std::optional<SceneMaterials> materials;
-  attempt([&] { materials.emplace(root); });
+  mistakes_.attempt([&] { materials.emplace(root); });
   for (const TomlCursor& node : nodes) {
     shapes_.emplace_back();
     scene_.bodies.emplace_back();
     unread_.emplace_back();
-    const bool known_keys = attempt([&] {
+    const bool known_keys = mistakes_.attempt([&] {
       node.expect_keys({"name", "shape", "material", "rigid", "cell_size", "grid", "body_force", "temperature", "faces",
                         "refine", "plane_strain"});
     });
-    unread_.back().name = !attempt([&] {
+    unread_.back().name = !mistakes_.attempt([&] {
       const TomlCursor name = node.at("name", "a name");
       scene_.bodies.back().name = read_name(name);
       check_unique(name, scene_.bodies.back().name, seen, "body");
     });
-    if (known_keys)
-      read_body(node, materials);
-    else  // what seems to be missing may be the key that is not known
-      unread_.back().shape = unread_.back().faces = true;
+    read_body(node, materials, known_keys);
   }
-  if (mistakes_.empty() &&
+  if (mistakes_.size() == 0 &&
       std::all_of(scene_.bodies.begin(), scene_.bodies.end(), [](const BodySpec& body) { return body.rigid(); }))
     list.fail("all bodies are rigid: there is nothing to compute", "at least one body without rigid = true");
 }
@@ -572,13 +571,15 @@ void read_displacement(const TomlCursor& node, SupportSpec& support) {
   if (node.entries().empty()) node.fail("prescribes nothing", "at least one of x, y, z, normal (m)");
 }
 
-/// What the support holds: one of the ways of saying it. An earlier result comes later, when the body is known.
-void read_held(const TomlCursor& node, SupportSpec& support) {
+/// What the support holds: one of the ways of saying it, maybe the key that is not known. An earlier result comes
+/// later, when the body is known.
+void read_held(const TomlCursor& node, SupportSpec& support, bool known_keys) {
   const std::vector<std::string> ways{"symmetry",  "displacement", "displacement_from", "cylindrical", "rotation",
                                       "stiffness", "spring"};
   std::vector<std::string> given;
   for (const std::string& way : ways)
     if (const auto value = node.find(way); value && (way != "symmetry" || value->boolean())) given.push_back(way);
+  if (given.empty() && !known_keys) throw FollowingMistake();
   if (given.size() != 1)
     node.fail(
         given.empty() ? "says nothing" : "has both " + given[0] + " and " + given[1],
@@ -599,14 +600,18 @@ void read_held(const TomlCursor& node, SupportSpec& support) {
 }  // namespace
 
 void SceneReader::read_support(const TomlCursor& node) {
-  node.expect_keys({"face", "symmetry", "displacement", "displacement_from", "cylindrical", "rotation", "stiffness",
-                    "spring", "steps"});
+  const bool known_keys = mistakes_.attempt([&] {
+    node.expect_keys({"face", "symmetry", "displacement", "displacement_from", "cylindrical", "rotation", "stiffness",
+                      "spring", "steps"});
+  });
   SupportSpec support;
   support.location = node.location();
-  const bool has_face = attempt([&] { support.face = resolve_face(node.at("face", "\"body.face\"")); });
-  read_held(node, support);
-  if (const auto steps = node.find("steps")) support.steps = read_own_steps(*steps, scene_.steps);
-  if (!has_face) return;
+  const bool has_face = (known_keys || node.find("face")) &&
+                        mistakes_.attempt([&] { support.face = resolve_face(node.at("face", "\"body.face\"")); });
+  const bool is_read = mistakes_.attempt([&] { read_held(node, support, known_keys); });
+  if (const auto steps = node.find("steps"))
+    mistakes_.attempt([&] { support.steps = read_own_steps(*steps, scene_.steps); });
+  if (!has_face || !is_read) return;
   std::vector<const Expression*> given;
   if (support.normal_displacement) given.push_back(&*support.normal_displacement);
   for (const auto& components : {&support.displacement, &support.cylindrical})
@@ -648,7 +653,7 @@ void SceneReader::read_displacement_from(const TomlCursor& node, SupportSpec& su
 
 void SceneReader::read_supports(const TomlCursor& root) {
   const std::vector<TomlCursor> nodes = optional_elements(root, "support");
-  for (const TomlCursor& node : nodes) attempt([&] { read_support(node); });
+  for (const TomlCursor& node : nodes) mistakes_.attempt([&] { read_support(node); });
   if (nodes.empty()) {
     SourceLocation location{scene_.file, 0, "support"};
     throw InputError(location, "", "nothing holds the bodies: the scene has no support",
@@ -657,26 +662,30 @@ void SceneReader::read_supports(const TomlCursor& root) {
 }
 
 void SceneReader::read_load(const TomlCursor& node) {
-  node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing", "steps"});
+  const bool known_keys = mistakes_.attempt([&] {
+    node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing", "steps"});
+  });
   LoadSpec load;
   load.location = node.location();
-  const bool has_face = attempt([&] { load.face = resolve_face(node.at("face", "\"body.face\"")); });
+  const bool has_face = (known_keys || node.find("face")) &&
+                        mistakes_.attempt([&] { load.face = resolve_face(node.at("face", "\"body.face\"")); });
   const auto pressure = node.find("pressure"), traction = node.find("traction");
   const auto force = node.find("force"), moment = node.find("moment"), at = node.find("at");
-  if (!pressure && !traction && !force && !moment)
+  if (!pressure && !traction && !force && !moment && known_keys)
     node.fail("says no load", "pressure, traction = [x, y, z] (Pa), force = [x, y, z] (N), moment = [x, y, z] (N m)");
-  if (pressure) load.pressure = pressure->expression("Pa");
-  if (traction) load.traction = read_vector_field(*traction, "Pa");
-  if (force) load.force = force->vector("N");
-  if (moment) load.moment = moment->vector("N*m");
-  if (at && !force) at->fail("says where a force acts, and there is none", "with force = [x, y, z]");
-  if (at) load.at = at->vector("m");
-  if (const auto bearing = node.find("bearing")) load.bearing = bearing->boolean();
-  if (load.bearing && (load.force.isZero(0) || moment || at))
+  if (pressure) mistakes_.attempt([&] { load.pressure = pressure->expression("Pa"); });
+  if (traction) mistakes_.attempt([&] { load.traction = read_vector_field(*traction, "Pa"); });
+  const bool has_force = force && mistakes_.attempt([&] { load.force = force->vector("N"); });
+  if (moment) mistakes_.attempt([&] { load.moment = moment->vector("N*m"); });
+  if (at && !force && known_keys) at->fail("says where a force acts, and there is none", "with force = [x, y, z]");
+  if (at) mistakes_.attempt([&] { load.at = at->vector("m"); });
+  if (const auto bearing = node.find("bearing")) mistakes_.attempt([&] { load.bearing = bearing->boolean(); });
+  if (load.bearing && ((force ? has_force && load.force.isZero(0) : known_keys) || moment || at))
     node.at("bearing").fail(force ? "is the pressure of a force towards the axis: it has no moment and no other place"
                                   : "is the pressure of a force, and there is none",
                             "with force = [x, y, z], without moment and at");
-  if (const auto steps = node.find("steps")) load.steps = read_own_steps(*steps, scene_.steps);
+  if (const auto steps = node.find("steps"))
+    mistakes_.attempt([&] { load.steps = read_own_steps(*steps, scene_.steps); });
   if (!has_face) return;
   probe_expressions(scene_.bodies[load.face.body], load.face.face,
                     {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
@@ -684,7 +693,7 @@ void SceneReader::read_load(const TomlCursor& node) {
 }
 
 void SceneReader::read_loads(const TomlCursor& root) {
-  for (const TomlCursor& node : optional_elements(root, "load")) attempt([&] { read_load(node); });
+  for (const TomlCursor& node : optional_elements(root, "load")) mistakes_.attempt([&] { read_load(node); });
 }
 
 /// Gravity and steady rotation of the whole scene, on the mass of every body.
@@ -856,41 +865,57 @@ bool is_automatic(const TomlCursor& node) {
 
 }  // namespace
 
+/// Reads what a section says of its pair; `has_pair`: bodies and faces of the contact could be read.
+void SceneReader::read_pair_values(const TomlCursor& node, bool has_pair, ContactSpec& contact) {
+  const auto read = [&](const char* key, const auto& task) {
+    if (const auto value = node.find(key)) mistakes_.attempt([&] { task(*value); });
+  };
+  mistakes_.attempt([&] { read_bonded(node, contact); });
+  read("friction",
+       [&](const TomlCursor& value) { contact.friction = value.number(Range::from_to(0, max_friction, "0 to 2")); });
+  read("interference", [&](const TomlCursor& value) {
+    contact.interference = value.number(Range::any("m"));
+    if (!has_pair || unread_[contact.first.body].shape || unread_[contact.second.body].shape) return;
+    const double longest = std::min(longest_side(scene_.bodies[contact.first.body].solid),
+                                    longest_side(scene_.bodies[contact.second.body].solid));
+    if (std::abs(contact.interference) > longest)
+      value.fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
+  });
+  read("preload", [&](const TomlCursor& value) {
+    contact.preload = value.number(Range::positive("N"));
+    if (contact.automatic)
+      value.fail("a preload is that of one pair", "in a section with faces = [\"body.face\", \"body.face\"]");
+  });
+  read("search_distance",
+       [&](const TomlCursor& value) { contact.search_distance = value.number(Range::not_negative("m")); });
+  read("moment_about", [&](const TomlCursor& value) { contact.moment_about = read_moment(value); });
+  read("accuracy", [&](const TomlCursor& value) { read_pair_target(value, contact.name, scene_.accuracy); });
+}
+
 /// One pair, or all automatic ones.
 void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& seen) {
-  node.expect_keys({"name", "faces", "automatic", "bonded", "friction", "interference", "preload", "search_distance",
-                    "moment_about", "accuracy"});
+  const bool known_keys = mistakes_.attempt([&] {
+    node.expect_keys({"name", "faces", "automatic", "bonded", "friction", "interference", "preload", "search_distance",
+                      "moment_about", "accuracy"});
+  });
   const std::size_t first = scene_.contacts.size();
   if (is_automatic(node)) {
     add_automatic_contacts(node);
-  } else {
-    ContactSpec contact = read_pair(node);
-    check_new_pair(node, contact);
-    scene_.contacts.push_back(std::move(contact));
+  } else if (known_keys || node.find("faces")) {
+    ContactSpec contact;
+    const bool has_pair = mistakes_.attempt([&] {
+      contact = read_pair(node);
+      check_new_pair(node, contact);
+    });
+    if (has_pair)
+      scene_.contacts.push_back(std::move(contact));
+    else
+      read_pair_values(node, has_pair, contact);
   }
   for (std::size_t k = first; k < scene_.contacts.size(); ++k) {
     ContactSpec& contact = scene_.contacts[k];
     check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
-    read_bonded(node, contact);
-    if (const auto value = node.find("friction"))
-      contact.friction = value->number(Range::from_to(0, max_friction, "0 to 2"));
-    if (const auto value = node.find("interference")) {
-      contact.interference = value->number(Range::any("m"));
-      if (unread_[contact.first.body].shape || unread_[contact.second.body].shape) throw FollowingMistake();
-      const double longest = std::min(longest_side(scene_.bodies[contact.first.body].solid),
-                                      longest_side(scene_.bodies[contact.second.body].solid));
-      if (std::abs(contact.interference) > longest)
-        value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
-    }
-    if (const auto value = node.find("preload")) {
-      contact.preload = value->number(Range::positive("N"));
-      if (contact.automatic)
-        value->fail("a preload is that of one pair", "in a section with faces = [\"body.face\", \"body.face\"]");
-    }
-    if (const auto value = node.find("search_distance"))
-      contact.search_distance = value->number(Range::not_negative("m"));
-    if (const auto value = node.find("moment_about")) contact.moment_about = read_moment(*value);
-    if (const auto value = node.find("accuracy")) read_pair_target(*value, contact.name, scene_.accuracy);
+    read_pair_values(node, true, contact);
   }
 }
 
@@ -902,7 +927,7 @@ void SceneReader::read_contacts(const TomlCursor& root) {
     const auto automatic = node.find("automatic");
     return !(automatic && automatic->node().is_boolean() && automatic->boolean());
   });
-  for (const TomlCursor& node : ordered) attempt([&] { read_contact(node, seen); });
+  for (const TomlCursor& node : ordered) mistakes_.attempt([&] { read_contact(node, seen); });
 }
 
 /// Faces of targets of displacements; other names are those of probes.
@@ -946,50 +971,50 @@ const std::vector<std::string>& scene_keys() {
 
 /// Sections that need no grid and no body.
 void SceneReader::read_settings(const TomlCursor& root) {
-  if (const auto node = root.find("solver")) attempt([&] { scene_.solver = read_solver(*node); });
-  if (const auto node = root.find("recovery")) attempt([&] { scene_.recovery = read_recovery(*node); });
-  if (const auto node = root.find("output")) attempt([&] { scene_.output = read_output(*node); });
+  if (const auto node = root.find("solver")) mistakes_.attempt([&] { scene_.solver = read_solver(*node); });
+  if (const auto node = root.find("recovery")) mistakes_.attempt([&] { scene_.recovery = read_recovery(*node); });
+  if (const auto node = root.find("output")) mistakes_.attempt([&] { scene_.output = read_output(*node); });
 }
 
 Scene SceneReader::read(const TomlCursor& root) {
-  attempt([&] { root.expect_keys(scene_keys()); });
+  mistakes_.attempt([&] { root.expect_keys(scene_keys()); });
   scene_.file = root.text().file;
   scene_.parameters = root.text().parameters;
-  if (const auto title = root.find("title")) attempt([&] { scene_.title = printable(title->string()); });
+  if (const auto title = root.find("title")) mistakes_.attempt([&] { scene_.title = printable(title->string()); });
   if (const auto node = root.find("accuracy"))
-    if (!attempt([&] { scene_.accuracy = read_accuracy(*node); }))
+    if (!mistakes_.attempt([&] { scene_.accuracy = read_accuracy(*node); }))
       scene_.accuracy.pressure = 1;  // bodies need no cell_size beside it
   const std::size_t before = mistakes_.size();
-  attempt([&] { read_bodies(root); });
-  if (scene_.bodies.empty()) throw Mistakes(mistakes_, scene_.file);
+  mistakes_.attempt([&] { read_bodies(root); });
+  if (scene_.bodies.empty()) mistakes_.throw_if_any(scene_.file);
   const bool has_bodies = mistakes_.size() == before;
   if (!scene_.accuracy.stress_of_body.empty() && has_bodies)
-    attempt([&] { check_bodies_of_stress(*root.find("accuracy")->find("stress")); });
-  if (has_bodies) attempt([&] { read_inertia(root); });
-  attempt([&] { read_plane_strain(root); });
-  if (has_bodies) attempt([&] { read_axisymmetric(root); });
+    mistakes_.attempt([&] { check_bodies_of_stress(*root.find("accuracy")->find("stress")); });
+  if (has_bodies) mistakes_.attempt([&] { read_inertia(root); });
+  mistakes_.attempt([&] { read_plane_strain(root); });
+  if (has_bodies) mistakes_.attempt([&] { read_axisymmetric(root); });
   const auto steps = root.find("steps");
-  if (steps) attempt([&] { scene_.steps = read_steps(*steps); });
-  attempt([&] { read_supports(root); });
+  if (steps) mistakes_.attempt([&] { scene_.steps = read_steps(*steps); });
+  mistakes_.attempt([&] { read_supports(root); });
   add_implied_supports();
-  attempt([&] { read_loads(root); });
-  attempt([&] { read_contacts(root); });
+  mistakes_.attempt([&] { read_loads(root); });
+  mistakes_.attempt([&] { read_contacts(root); });
   const bool has_contacts = mistakes_.size() == before;
-  if (has_contacts) attempt([&] { choose_cells_of_rigid_bodies(); });
-  if (has_bodies) attempt([&] { read_probes(root); });
-  if (has_bodies) attempt([&] { find_faces_of_targets(root); });
-  if (has_bodies) attempt([&] { read_sections(root); });
-  if (steps) attempt([&] { check_preload_of_steps(*steps); });
+  if (has_contacts) mistakes_.attempt([&] { choose_cells_of_rigid_bodies(); });
+  if (has_bodies) mistakes_.attempt([&] { read_probes(root); });
+  if (has_bodies) mistakes_.attempt([&] { find_faces_of_targets(root); });
+  if (has_bodies) mistakes_.attempt([&] { read_sections(root); });
+  if (steps) mistakes_.attempt([&] { check_preload_of_steps(*steps); });
   if (scene_.accuracy.shear && has_contacts)
-    attempt([&] { check_target_of_shear(root.find("accuracy")->at("shear", "")); });
+    mistakes_.attempt([&] { check_target_of_shear(root.find("accuracy")->at("shear", "")); });
   read_settings(root);
   if (const auto node = root.find("reference"); node && has_contacts)
-    attempt([&] {
+    mistakes_.attempt([&] {
       std::optional<double> contact_force;
       if (!scene_.contacts.empty()) contact_force = 1;
       scene_.reference = read_reference(*node, body_names(), contact_force);
     });
-  if (!mistakes_.empty()) throw Mistakes(mistakes_, scene_.file);
+  mistakes_.throw_if_any(scene_.file);
   return std::move(scene_);
 }
 

@@ -33,28 +33,11 @@ class SceneReader {
   Scene read(const TomlCursor& root);
 
  private:
-  /// An entry that cannot be read because of a mistake that is known: no mistake of its own.
-  struct FollowingMistake {};
-
-  /// False: the entry has a mistake, or cannot be read because of another one.
-  template <typename Task>
-  bool attempt(const Task& task) {
-    try {
-      task();
-      return true;
-    } catch (const FollowingMistake&) {
-      return false;
-    } catch (const InputError& mistake) {
-      for (const std::string& message : messages_of(mistake)) mistakes_.push_back(message);
-      return false;
-    }
-  }
-
   void read_bodies(const TomlCursor& root);
   void read_plane_strain(const TomlCursor& root);
   void read_axisymmetric(const TomlCursor& root);
   void add_implied_supports();
-  void read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials);
+  void read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials, bool known_keys);
   void read_faces_of_body(const TomlCursor& node, BodySpec& body, const Shape& shape);
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
   RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;
@@ -69,6 +52,7 @@ class SceneReader {
   void read_contacts(const TomlCursor& root);
   void read_contact(const TomlCursor& node, std::set<std::string>& seen);
   ContactSpec read_pair(const TomlCursor& node) const;
+  void read_pair_values(const TomlCursor& node, bool has_pair, ContactSpec& contact);
   void check_preload_of_steps(const TomlCursor& node) const;
   void check_target_of_shear(const TomlCursor& node) const;
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
@@ -94,7 +78,7 @@ class SceneReader {
   Scene scene_;
   std::vector<Shape> shapes_;   ///< one per body
   std::vector<Unread> unread_;  ///< one per body
-  std::vector<std::string> mistakes_;
+  MistakeList mistakes_;
   /// Displacements of earlier results, by directory and body.
   std::map<std::pair<std::string, std::string>, std::shared_ptr<const DisplacementField>> fields_;
 };

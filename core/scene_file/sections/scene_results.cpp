@@ -144,7 +144,7 @@ void SceneReader::read_probes(const TomlCursor& root) {
                            fmt::format("at most {} points of all probes together", max_points_of_all));
   std::set<std::string> seen;
   for (const TomlCursor& node : nodes) {
-    attempt([&] {
+    mistakes_.attempt([&] {
       scene_.probes.push_back(read_probe(node));
       check_unique(node.at("name"), scene_.probes.back().name, seen, "probe");
     });
@@ -177,7 +177,7 @@ SectionSpec SceneReader::read_section(const TomlCursor& node) const {
 void SceneReader::read_sections(const TomlCursor& root) {
   std::set<std::string> seen;
   for (const TomlCursor& node : few_elements(root, "section", max_sections))
-    attempt([&] {
+    mistakes_.attempt([&] {
       scene_.sections.push_back(read_section(node));
       check_unique(node.at("name"), scene_.sections.back().name, seen, "section");
     });

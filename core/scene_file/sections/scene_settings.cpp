@@ -47,9 +47,12 @@ void read_settings(const TomlCursor& section, const std::vector<Setting>& settin
     if (std::find(keys.begin(), keys.end(), name) == keys.end()) keys.push_back(name);
     if (name == key) here.push_back(&setting);
   }
-  section.expect_keys(keys);
+  MistakeList mistakes;
+  mistakes.attempt([&] { section.expect_keys(keys); });
   for (const Setting* setting : here)
-    if (const auto value = section.find(setting->key.substr(prefix.size()))) read_setting(*value, *setting);
+    if (const auto value = section.find(setting->key.substr(prefix.size())))
+      mistakes.attempt([&] { read_setting(*value, *setting); });
+  mistakes.throw_if_any(section.text().file);
 }
 
 /// One degree for all patches, or a table by class of patch.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <sstream>
 
+#include "core/base/errors/mistakes.hpp"
 #include "core/base/errors/suggest.hpp"
 #include "core/scene_file/sections/unknown_physics.hpp"
 
@@ -71,12 +72,16 @@ std::string TomlCursor::type_name() const {
 
 void TomlCursor::expect_keys(const std::vector<std::string>& keys) const {
   if (!is_table()) fail("is " + type_name() + ", not a table", "{" + join(keys) + "}");
-  for (const auto& [name, entry] : entries()) {
-    if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
-    const std::string physics = unknown_physics(name);
-    entry.fail("unknown key \"" + name + "\"" + (physics.empty() ? did_you_mean(name, keys) : ": " + physics),
-               join(keys));
+  MistakeList mistakes;
+  for (const auto& [key, entry] : entries()) {
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    mistakes.attempt([&keys, &name = key, &unknown = entry] {
+      const std::string physics = unknown_physics(name);
+      unknown.fail("unknown key \"" + name + "\"" + (physics.empty() ? did_you_mean(name, keys) : ": " + physics),
+                   join(keys));
+    });
   }
+  mistakes.throw_if_any(text_->file);
 }
 
 std::optional<TomlCursor> TomlCursor::find(const std::string& key) const {

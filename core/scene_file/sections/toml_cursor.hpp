@@ -43,7 +43,7 @@ class TomlCursor {
   bool is_array() const { return node_->is_array(); }
   bool is_string() const { return node_->is_string(); }
 
-  /// Throws unless this is a table that has no other keys than these.
+  /// Throws unless this is a table that has no other keys than these; tells all others.
   void expect_keys(const std::vector<std::string>& keys) const;
   std::optional<TomlCursor> find(const std::string& key) const;
   /// Throws "missing" unless the key exists; `allowed` says what should be there.
