@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
@@ -206,6 +207,7 @@ class LevelMesh {
   int point_of(const Origin& origin, const std::vector<int>& number, const RangeMesh& range, int p);
   int append(const Vec3& x, int cell);
   void add_facets();
+  void drop_pieces_outside();
   void drop_inner_triangles();
   void drop_unused_points();
   void add_interior_points();
@@ -275,6 +277,7 @@ ClippedMesh LevelMesh::facets_alone() {
 }
 
 ClippedMesh LevelMesh::finish() {
+  drop_pieces_outside();
   drop_inner_triangles();
   if (level_.has_facets) add_facets();
   drop_unused_points();
@@ -602,6 +605,66 @@ void LevelMesh::add_facets() {
     for (int i = 2; i < num_corners; ++i)
       mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active, surface});
   });
+}
+
+/// Drops groups of polyhedra outside of the body. A surface goes on beyond the end of its face, and may cut off there
+/// what seems to be inside. Groups that whole cells belong to are inside; of the others the middle of the largest
+/// polyhedron tells.
+void LevelMesh::drop_pieces_outside() {
+  std::vector<int> parent(mesh_.points.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int p) {
+    while (parent[p] != p) p = parent[p] = parent[parent[p]];
+    return p;
+  };
+  const auto join = [&](const auto& points) {
+    for (const int p : points) parent[root(p)] = root(points[0]);
+  };
+  for (const Tetrahedron& t : mesh_.tetrahedra) join(t);
+  for (const Hexahedron& h : mesh_.hexahedra) join(h);
+  enum : char { unknown, inside, outside };
+  std::vector<char> where(mesh_.points.size(), unknown);  // of the group of each root
+  for (std::size_t i = 0; i < mesh_.hexahedra.size(); ++i)
+    if (cut_cells_.cut_of_active[mesh_.cell_of_hexahedron[i]] < 0) where[root(mesh_.hexahedra[i][0])] = inside;
+  for (const int cell : mesh_.interior.cells)
+    for (int a = 0; a < 8; ++a) {
+      const Index3& c = cut_cells_.cells[cell];
+      const int p = nodes_[node_numbers_.find({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})];
+      if (p >= 0) where[root(p)] = inside;
+    }
+  std::map<int, std::pair<double, Vec3>> largest;  // by root: volume and middle
+  const auto look_at = [&](const auto& points, const auto& volume) {
+    const int group = root(points[0]);
+    if (where[group] == inside) return;
+    Vec3 middle = Vec3::Zero();
+    for (const int p : points) middle += mesh_.points[p] / static_cast<double>(points.size());
+    const std::pair<double, Vec3> now{volume(), middle};
+    const auto [entry, added] = largest.try_emplace(group, now);
+    if (!added && now.first > entry->second.first) entry->second = now;
+  };
+  const auto corner = [&](const auto& points, int k) { return mesh_.points[points[k]]; };
+  for (const Tetrahedron& t : mesh_.tetrahedra)
+    look_at(t, [&] { return tetrahedron_volume(corner(t, 0), corner(t, 1), corner(t, 2), corner(t, 3)); });
+  for (const Hexahedron& h : mesh_.hexahedra) look_at(h, [&] { return Vec3(corner(h, 6) - corner(h, 0)).prod(); });
+  for (const auto& [group, entry] : largest)
+    if (!cut_cells_.solid.contains(entry.second)) where[group] = outside;
+
+  const auto is_outside = [&](int p) { return where[root(p)] == outside; };
+  const auto drop = [&](auto& polyhedra, std::vector<int>& cells) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < polyhedra.size(); ++i) {
+      if (is_outside(polyhedra[i][0])) continue;
+      polyhedra[n] = polyhedra[i];
+      cells[n++] = cells[i];
+    }
+    polyhedra.resize(n);
+    cells.resize(n);
+  };
+  drop(mesh_.tetrahedra, mesh_.cell_of_tetrahedron);
+  drop(mesh_.hexahedra, mesh_.cell_of_hexahedron);
+  mesh_.boundary.erase(std::remove_if(mesh_.boundary.begin(), mesh_.boundary.end(),
+                                      [&](const BoundaryTriangle& b) { return is_outside(b.points[0]); }),
+                       mesh_.boundary.end());
 }
 
 /// Drops triangles that belong to two polyhedra: they lie inside the body (chords of a curved surface).

@@ -268,6 +268,20 @@ class Hints(unittest.TestCase):
             self.assertIn(part, error)
         self.assertEqual(len(errors), 5, errors)
 
+    def test_all_mistakes_of_one_section_at_once(self):
+        """Values of a material, a pair and of settings, and keys that are not known beside them. A key that seems to be missing may be
+        the one that is not known: it is not told."""
+        scene = text(instead={'material = {E = "E", nu = 0.3}': 'materal = {E = -1, nu = 0.7}\ncolour = "red"',
+                              '["plate.z+", "ball.surface"]': '["plate.z+", "bal.surface"]\nfriction = 5\ninterference = "1 kg"'})
+        odd = '[[material]]\nname = "odd"\nE = -1\nnu = 0.7\nEE = 1\n'
+        errors = self.error_of(scene + odd + "[solver]\ntolerance = 2\nkappas = 3\n")
+        parts = ("material[0].E = -1", "material[0].nu = 0.7", 'unknown key "EE"', 'unknown key "materal"', 'unknown key "colour"',
+                 'did you mean "ball"', "contact[0].friction = 5", "contact[0].interference", "solver.tolerance = 2",
+                 'unknown key "kappas"')
+        for part in parts:
+            self.assertEqual(sum(part in error for error in errors), 1, (part, errors))
+        self.assertEqual(len(errors), len(parts), errors)
+
     def test_what_follows_is_not_told(self):
         """A body without its shape, name or faces: nothing that refers to them is a mistake of its own."""
         for old, new, part in (('radius = "10 mm"', "radius = -1", "radius = -1"), ('name = "ball"', 'name = "1ball"', '"1ball"'),
