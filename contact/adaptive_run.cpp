@@ -43,6 +43,9 @@ constexpr double dearer = 1.2;
 constexpr double give_up = 1.1;
 /// Fraction of a run's time that one solve beside it must take to be reported.
 constexpr double told_fraction = 0.01;
+/// Settings of [accuracy] that end a run.
+const char* const max_time = "max_time";
+const char* const max_unknowns = "max_unknowns";
 
 /// Ends a solve whose time is over while the run has the solution of an earlier one.
 struct OutOfTime {};
@@ -201,11 +204,11 @@ double AdaptiveRun::forecast() const {
 /// Returns how many times too large the next grid is, at most 1 if it is not; sets which limit it is.
 double AdaptiveRun::excess(double allowed) {
   const double unknowns = count_unknowns(next_->state.bodies) / std::max(allowed, 1.0);
-  limit_ = allowed < given_.accuracy.max_unknowns ? "max_time" : "max_unknowns";
+  limit_ = allowed < given_.accuracy.max_unknowns ? max_time : max_unknowns;
   if (figures_.solves.empty()) return unknowns;
   const double time = forecast() / std::max(given_.accuracy.max_time - seconds(), 1e-3);
   if (time <= unknowns) return unknowns;
-  limit_ = "max_time";
+  limit_ = max_time;
   return time;
 }
 
@@ -242,7 +245,12 @@ bool AdaptiveRun::set_up(const AdaptiveCallbacks& callbacks) {
   const bool too_large = needed_ > 4 * allowed || dearer * seconds_of_cells(needed_) > left;
   const double factor = too_large && needed_ > allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
   if (!set_up_within(allowed, factor, callbacks)) return false;
-  return !stands_still() || set_up_within(allowed, finer * factor, callbacks);
+  if (!stands_still()) return true;
+  if (!set_up_within(allowed, finer * factor, callbacks)) return false;
+  if (!stands_still()) return true;
+  refused_ =
+      fmt::format("its cells would be those of the last one (accuracy.max_levels = {})", given_.accuracy.max_levels);
+  return false;
 }
 
 /// Makes the next grid, its refined cells times a factor that grows until the unknowns are at most `allowed`, and falls
@@ -258,7 +266,7 @@ bool AdaptiveRun::set_up_within(double allowed, double factor, const AdaptiveCal
   // A grid that no limit makes coarser is worth a solve even if little is missing.
   while (factor <= 1 || factor * sizes_.change < 1 / min_gain || figures_.solves.empty()) {
     if (!figures_.solves.empty() && seconds() > given_.accuracy.max_time) {
-      limit_ = "max_time";
+      limit_ = max_time;
       break;
     }
     next_scene_ = scene_on_grids(given_, sizes_, factor, max_cells(given_, allowed));
@@ -298,8 +306,9 @@ bool AdaptiveRun::set_up_within(double allowed, double factor, const AdaptiveCal
 
 /// Tells what the targets ask for. Where no zone is resolved, the sizes that would do are no more than a first guess.
 std::string AdaptiveRun::needed_text() const {
-  if (!resolved_ && !is_counted_) return "no grid within it resolves the zones";
-  return fmt::format("{}{} unknowns would be needed", is_counted_ ? "" : "about ", number(needed_));
+  if (is_counted_) return fmt::format(": {} unknowns would be needed", number(needed_));
+  if (!resolved_) return ": no grid within it resolves the zones";
+  return limit_ == max_unknowns ? fmt::format(": about {} unknowns would be needed", number(needed_)) : "";
 }
 
 /// Returns whether a solve is to be given up: time is over, and there is a solution already.
@@ -453,7 +462,7 @@ void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
   for (;;) {
     if (!set_up(callbacks)) {
       figures_.text = after_failure() +
-                      (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {}", limit_, needed_text())
+                      (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement{}", limit_, needed_text())
                                         : "the next grid was refused: " + refused_);
       break;
     }

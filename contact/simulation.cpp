@@ -122,13 +122,8 @@ void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
 }
 
 void Simulation::set_up_grids() {
-  for (const BodySpec& body : state.scene.bodies) {
+  for (const BodySpec& body : state.scene.bodies)
     results.warnings.insert(results.warnings.end(), body.warnings.begin(), body.warnings.end());
-    if (body.material.poisson_ratio > 0.48)
-      results.warnings.push_back(fmt::format(
-          "body \"{}\": nu = {:g}: trilinear elements lock near 0.5 and lose accuracy, compare with finer cells",
-          body.name, body.material.poisson_ratio));
-  }
   Preparation p = prepare(state.scene);
   expected_memory_ = check_memory(state.scene, p);
   state.bodies = std::move(p.bodies);

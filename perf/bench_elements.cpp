@@ -22,7 +22,7 @@ double energy_error(const BlockProblem& p, const CellMatrixView& matrices) {
   const double g[3][3] = {{0.7, -0.2, 0.4}, {0.3, -0.5, 0.1}, {-0.6, 0.25, 0.9}};
   double s[6];
   const BodyMesh& mesh = p.system.meshes[0];
-  mesh.law.stress(g, s);
+  mesh.law.stress(g, 0, s);
   const double density = s[0] * g[0][0] + s[1] * g[1][1] + s[2] * g[2][2] + s[3] * (g[0][1] + g[1][0]) +
                          s[4] * (g[1][2] + g[2][1]) + s[5] * (g[2][0] + g[0][2]);
   double u[24];

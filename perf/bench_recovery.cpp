@@ -56,7 +56,7 @@ double constant_stress_error(const SprProblem& p, const Mat3& gradient) {
   double g[3][3], s[6], largest = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) g[i][j] = gradient(i, j);
-  p.mesh().law.stress(g, s);
+  p.mesh().law.stress(g, 0, s);
   for (std::size_t c = 0; c < p.stress.extent(0); ++c)
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t)

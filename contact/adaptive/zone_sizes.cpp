@@ -118,7 +118,9 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
       zone.resolved = verdict.closed_state() == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
       if (!verdict.of_closed) zone.needed = verdict.cell_size_needed;
-      if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell)
+      // The overlap of a force: one that the loads do not give is off as far as cells larger than the zone are soft.
+      if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell &&
+          results.pairs[p].force_given_by_loads)
         narrow_to_overlap(state, p, zone);
       zone.relevant |= !zone.missed.empty();
       continue;

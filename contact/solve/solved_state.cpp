@@ -44,7 +44,8 @@ Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {
   if (mesh.rigid) return Sym3::Zero();
   double u[8][3], s[6];
   corner_displacements(state, body, cell, u);
-  hex_stress(mesh.law, u, xi.data(), s, mesh.ring_of(cell));
+  const std::vector<double>& means = state.mean_dilatations[body];
+  hex_stress(mesh.law, u, means.empty() ? 0 : means[cell], xi.data(), s, mesh.ring_of(cell));
   for (double& v : s) v *= mesh.stress_factor(cell);
   return to_global(state, body, s) + state.bodies[body].held_back;
 }

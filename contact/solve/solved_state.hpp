@@ -24,6 +24,8 @@ struct SolvedState {
   ElasticSystem system;
   OuterResult outer;                 ///< displacements, forces, iterations
   std::vector<Approach> approaches;  ///< of pairs whose force depends on how stiff the bodies are
+  /// By body, of each active cell, per cell unit: enters its stress in nearly incompressible bodies; empty in others.
+  std::vector<std::vector<double>> mean_dilatations;
   std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown
   std::vector<RecoveredField> sprc;  ///< by body: everywhere (SPR where the scene does not want SPR-C)
   FacePressures faces;               ///< zones whose pressure was solved for on the face
@@ -46,7 +48,7 @@ inline double force_unit(const SolvedState& state) {
 
 /// Returns m.
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);
-/// Evaluates the stress of the displacements, Pa.
+/// Evaluates the stress of the displacements, Pa; SolvedState::mean_dilatations must have been set.
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi);
 /// Evaluates one of the recovered fields of the body, Pa.
 Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi);

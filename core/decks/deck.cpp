@@ -203,34 +203,39 @@ class DeckReader {
 
  private:
   void take(const DeckBlock& block) {
-    using Take = void (DeckReader::*)(const DeckBlock&);
-    static const std::map<std::string, Take> takes{{"HEADING", &DeckReader::heading},
-                                                   {"NODE", &DeckReader::nodes},
-                                                   {"ELEMENT", &DeckReader::elements},
-                                                   {"NSET", &DeckReader::sets},
-                                                   {"ELSET", &DeckReader::sets},
-                                                   {"SURFACE", &DeckReader::surface},
-                                                   {"MATERIAL", &DeckReader::material},
-                                                   {"ELASTIC", &DeckReader::elastic},
-                                                   {"DENSITY", &DeckReader::density},
-                                                   {"EXPANSION", &DeckReader::expansion},
-                                                   {"SOLID SECTION", &DeckReader::section},
-                                                   {"BOUNDARY", &DeckReader::boundary},
-                                                   {"CLOAD", &DeckReader::point_loads},
-                                                   {"DLOAD", &DeckReader::element_loads},
-                                                   {"DSLOAD", &DeckReader::surface_loads},
-                                                   {"CONTACT PAIR", &DeckReader::pair},
-                                                   {"TIE", &DeckReader::tie},
-                                                   {"SURFACE INTERACTION", &DeckReader::interaction},
-                                                   {"FRICTION", &DeckReader::friction},
-                                                   {"STEP", &DeckReader::step}};
+    struct Take {
+      void (DeckReader::*read)(const DeckBlock&);
+      std::set<std::string> parameters;  ///< that are read, or say how it is solved or written; others are left out
+    };
+    static const std::map<std::string, Take> takes{
+        {"HEADING", {&DeckReader::heading, {}}},
+        {"NODE", {&DeckReader::nodes, {"NSET", "SYSTEM", "INPUT"}}},
+        {"ELEMENT", {&DeckReader::elements, {"TYPE", "ELSET"}}},
+        {"NSET", {&DeckReader::sets, {"NSET", "GENERATE", "INTERNAL", "UNSORTED"}}},
+        {"ELSET", {&DeckReader::sets, {"ELSET", "GENERATE", "INTERNAL"}}},
+        {"SURFACE", {&DeckReader::surface, {"NAME", "TYPE", "INTERNAL"}}},
+        {"MATERIAL", {&DeckReader::material, {"NAME"}}},
+        {"ELASTIC", {&DeckReader::elastic, {"TYPE"}}},
+        {"DENSITY", {&DeckReader::density, {}}},
+        {"EXPANSION", {&DeckReader::expansion, {}}},
+        {"SOLID SECTION", {&DeckReader::section, {"ELSET", "MATERIAL", "CONTROLS"}}},
+        {"BOUNDARY", {&DeckReader::boundary, {"OP", "FIXED"}}},
+        {"CLOAD", {&DeckReader::point_loads, {"OP"}}},
+        {"DLOAD", {&DeckReader::element_loads, {"OP"}}},
+        {"DSLOAD", {&DeckReader::surface_loads, {"OP"}}},
+        {"CONTACT PAIR", {&DeckReader::pair, {"INTERACTION", "TYPE", "SMALL SLIDING", "TIED"}}},
+        {"TIE", {&DeckReader::tie, {"NAME", "TYPE", "ADJUST"}}},
+        {"SURFACE INTERACTION", {&DeckReader::interaction, {"NAME"}}},
+        {"SURFACE BEHAVIOR",
+         {&DeckReader::behaviour, {"PRESSURE-OVERCLOSURE", "AUGMENTED LAGRANGE", "PENALTY", "DIRECT"}}},
+        {"FRICTION", {&DeckReader::friction, {}}},
+        {"STEP", {&DeckReader::step, {"INC", "NAME", "NLGEOM"}}}};
     static const std::set<std::string> conditions{"BOUNDARY", "CLOAD", "DLOAD", "DSLOAD"};
     // Say how a deck is solved or written, not what is solved.
     static const std::set<std::string> without_meaning{
-        "END STEP",       "STATIC",           "NODE FILE", "EL FILE",        "NODE PRINT",
-        "EL PRINT",       "NODE OUTPUT",      "OUTPUT",    "ELEMENT OUTPUT", "CONTACT FILE",
-        "CONTACT OUTPUT", "CONTROLS",         "RESTART",   "PREPRINT",       "SURFACE BEHAVIOR",
-        "TIME POINTS",    "CONTACT CONTROLS", "MONITOR",   "NO PRINT"};
+        "END STEP",    "STATIC",   "NODE FILE",      "EL FILE",          "NODE PRINT",     "EL PRINT",
+        "NODE OUTPUT", "OUTPUT",   "ELEMENT OUTPUT", "CONTACT FILE",     "CONTACT OUTPUT", "CONTROLS",
+        "RESTART",     "PREPRINT", "TIME POINTS",    "CONTACT CONTROLS", "MONITOR",        "NO PRINT"};
     if (block.keyword == "PART" || block.keyword == "INSTANCE" || block.keyword == "ASSEMBLY")
       fail(block.head, fmt::format("*{}: the deck has parts and instances", block.keyword),
            "flat decks: \"do not use parts and assemblies in input files\"");
@@ -238,9 +243,25 @@ class DeckReader {
     if (num_steps_ > 1 && conditions.count(block.keyword) > 0)
       leave_out(fmt::format("*{} of a step beyond the first", block.keyword), block.head);
     else if (found != takes.end())
-      (this->*found->second)(block);
+      take(block, found->second.read, found->second.parameters);
     else if (without_meaning.count(block.keyword) == 0)
       leave_out("*" + block.keyword, block.head);
+  }
+
+  void take(const DeckBlock& block, void (DeckReader::*read)(const DeckBlock&), const std::set<std::string>& known) {
+    for (const auto& [name, value] : block.parameters)
+      if (known.count(name) == 0)
+        leave_out(fmt::format("*{}, {}{}", block.keyword, name, value.empty() ? "" : "=" + value), block.head);
+    (this->*read)(block);
+  }
+
+  /// With OP=NEW conditions of these kinds end that held before the step.
+  void drop_earlier(const DeckBlock& block, const std::set<DeckCondition::Kind>& kinds) {
+    if (block.at("OP") != "NEW") return;
+    const auto first = deck_.conditions.begin(), end = first + static_cast<std::ptrdiff_t>(before_step_);
+    const auto left = std::remove_if(first, end, [&](const DeckCondition& c) { return kinds.count(c.kind) > 0; });
+    before_step_ = static_cast<std::size_t>(left - first);
+    deck_.conditions.erase(left, end);
   }
 
   void leave_out(const std::string& what, const DeckLine& line) { unknown_[what].push_back(line.number); }
@@ -250,6 +271,8 @@ class DeckReader {
   }
 
   void nodes(const DeckBlock& block) {
+    if (const std::string system = block.at("SYSTEM"); !system.empty() && system != "R")
+      fail(block.head, "*NODE, SYSTEM=" + system + ": the coordinates are not rectangular", "SYSTEM=R, or none");
     for (const DeckLine& line : block.data) {
       const int node = integer_of(line, 0, "number, x, y, z");
       Vec3 x;
@@ -381,6 +404,7 @@ class DeckReader {
 
   void boundary(const DeckBlock& block) {
     if (block.has("FIXED")) return leave_out("*BOUNDARY, FIXED", block.head);
+    drop_earlier(block, {DeckCondition::Kind::displacement});
     static const std::map<std::string, std::pair<int, int>> named{
         {"XSYMM", {1, 1}}, {"YSYMM", {2, 2}}, {"ZSYMM", {3, 3}}, {"PINNED", {1, 3}}, {"ENCASTRE", {1, 3}}};
     for (const DeckLine& line : block.data) {
@@ -404,6 +428,7 @@ class DeckReader {
   }
 
   void point_loads(const DeckBlock& block) {
+    drop_earlier(block, {DeckCondition::Kind::force});
     for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::force, line.fields[0]};
       condition.line = line.number;
@@ -417,6 +442,7 @@ class DeckReader {
   }
 
   void element_loads(const DeckBlock& block) {
+    drop_earlier(block, {DeckCondition::Kind::pressure, DeckCondition::Kind::gravity});
     for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::pressure, line.fields[0]};
       condition.line = line.number;
@@ -438,6 +464,7 @@ class DeckReader {
   }
 
   void surface_loads(const DeckBlock& block) {
+    drop_earlier(block, {DeckCondition::Kind::surface_pressure});
     for (const DeckLine& line : block.data) {
       DeckCondition condition{DeckCondition::Kind::surface_pressure, line.fields[0]};
       condition.line = line.number;
@@ -451,9 +478,16 @@ class DeckReader {
   }
 
   void pair(const DeckBlock& block) {
-    for (const DeckLine& line : block.data) add_pair(line, false, block.at("INTERACTION"));
+    for (const DeckLine& line : block.data) add_pair(line, block.has("TIED"), block.at("INTERACTION"));
   }
   void interaction(const DeckBlock& block) { interaction_ = block.at("NAME"); }
+  void behaviour(const DeckBlock& block) {
+    const std::string law = block.at("PRESSURE-OVERCLOSURE");
+    if (law == "TIED")
+      deck_.tied.insert(interaction_);
+    else if (!law.empty() && law != "HARD")
+      leave_out("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=" + law + ": contact is hard", block.head);
+  }
   void friction(const DeckBlock& block) {
     if (interaction_.empty()) return leave_out("*FRICTION of no surface interaction", block.head);
     if (block.data.empty()) return leave_out("*FRICTION without a coefficient", block.head);
@@ -469,6 +503,9 @@ class DeckReader {
 
   void step(const DeckBlock& block) {
     if (++num_steps_ > 1) leave_out("*STEP beyond the first", block.head);
+    if (block.has("NLGEOM") && block.at("NLGEOM") != "NO")
+      leave_out("*STEP, NLGEOM: displacements are small", block.head);
+    before_step_ = deck_.conditions.size();
   }
 
   struct Section {
@@ -481,6 +518,7 @@ class DeckReader {
   std::vector<Section> sections_;
   std::map<std::string, std::vector<int>> unknown_;  ///< the lines
   int num_steps_ = 0;
+  std::size_t before_step_ = 0;  ///< conditions that were there before the step
 };
 
 std::set<int> set_or_number(const std::map<std::string, std::set<int>>& sets, const std::string& name) {

@@ -63,6 +63,7 @@ struct Deck {
   std::map<int, std::string> material_of_element, section_of_element;  ///< the section's set of elements
   std::vector<DeckCondition> conditions;
   std::vector<DeckPair> pairs;
+  std::set<std::string> tied;         ///< interactions whose faces neither part nor slide
   std::vector<std::string> left_out;  ///< what a scene does not take over, with the lines
 
   /// Return nodes of a set, or of the number that is its name; empty: there is none.

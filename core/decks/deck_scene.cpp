@@ -171,7 +171,8 @@ class SceneOfDeck {
           fmt::format("contact of {} and {}: the surfaces are not one face of one body each", pair.slave, pair.master),
           pair.line);
     const auto friction = deck_.friction.find(pair.interaction);
-    add_contact(slave[0], master[0], pair.bonded, friction == deck_.friction.end() ? 0 : friction->second);
+    const bool bonded = pair.bonded || deck_.tied.count(pair.interaction) > 0;
+    add_contact(slave[0], master[0], bonded, friction == deck_.friction.end() ? 0 : friction->second);
   }
 
   void take(const DeckBodies::Joint& joint) {

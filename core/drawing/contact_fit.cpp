@@ -17,6 +17,9 @@ constexpr double ridge = 1e-3;
 constexpr double reaches[] = {0.25, 0.35, 0.5, 0.7, 1};
 constexpr std::size_t enough_rows = 6;
 
+/// Returns whether the other face lies opposite: at its end the pressure jumps.
+bool is_opposite(const ContactRow& row) { return std::isfinite(row.distance); }
+
 }  // namespace
 
 /// Rows near a point with their weights and coordinates in the plane of the face.
@@ -71,7 +74,9 @@ ContactFit::Neighbours ContactFit::neighbours_of(const Vec3& x, double reach) {
   near.each_near(x, [&](int i) {
     const Vec3 way = (rows_[i]->x - x) / reach;
     const double left = 1 - way.squaredNorm();
-    if (left <= 0 || rows_[i]->pair != nearest->pair || rows_[i]->normal.dot(nearest->normal) < same_face) return;
+    if (left <= 0 || rows_[i]->pair != nearest->pair || rows_[i]->normal.dot(nearest->normal) < same_face ||
+        is_opposite(*rows_[i]) != is_opposite(*nearest))
+      return;
     neighbours.rows.push_back(rows_[i]);
     neighbours.weight.push_back(left * left);
     neighbours.coordinates.emplace_back(1, way.dot(first), way.dot(second));

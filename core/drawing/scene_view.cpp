@@ -145,7 +145,7 @@ int most_pressed(const Results& results) {
   int most = -1;
   for (int p = 0; p < static_cast<int>(results.pairs.size()); ++p)
     if (results.pairs[p].max_pressure > 0 &&
-        (most < 0 || results.pairs[p].force_on_first.norm() > results.pairs[most].force_on_first.norm()))
+        (most < 0 || told_force(results.pairs[p]) > told_force(results.pairs[most])))
       most = p;
   return most;
 }

@@ -110,14 +110,14 @@ void write_force_displacement_plot(const Results& results, GnuplotRuns& runs) {
   for (const StepFigures& step : results.steps) {
     if (!step.displacement) return;
     far = std::max(far, *step.displacement);
-    for (const PairFigures& pair : step.pairs) high = std::max(high, pair.force_on_first.norm());
+    for (const PairFigures& pair : step.pairs) high = std::max(high, told_force(pair));
   }
   const DisplayUnit length = length_unit(far), newton = force_unit(high);
   std::string data;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     for (const StepFigures& step : results.steps)
       fmt::format_to(std::back_inserter(data), "{} {}\n", *step.displacement * length.factor,
-                     step.pairs[p].force_on_first.norm() * newton.factor);
+                     told_force(step.pairs[p]) * newton.factor);
     data += "\n\n";
   }
   write_text(runs.directory() + "/plots/force_displacement.dat", data);

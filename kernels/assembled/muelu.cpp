@@ -1,6 +1,7 @@
 #include "kernels/assembled/muelu.hpp"
 
 #include <MueLu_CreateTpetraPreconditioner.hpp>
+#include <algorithm>
 
 namespace cgcontact {
 namespace {
@@ -50,6 +51,12 @@ RCP<TpetraVector> rigid_body_modes(const ElasticSystem& system, const RCP<const 
 
 }  // namespace
 
+int factorised_unknowns(const ElasticSystem& system) {
+  const bool in_a_plane = std::all_of(system.meshes.begin(), system.meshes.end(),
+                                      [](const BodyMesh& mesh) { return mesh.rigid || mesh.is_one_layer(); });
+  return in_a_plane ? 100000 : 4000;
+}
+
 RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map,
                                const RCP<TpetraMatrix>& assembled) {
   const RCP<TpetraOperator> matrix = assembled;
@@ -58,7 +65,7 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   list.set("number of equations", dofs_per_node);
   list.set("use kokkos refactor", false);
   list.set("problem: symmetric", true);
-  list.set("coarse: max size", factorised_unknowns);
+  list.set("coarse: max size", factorised_unknowns(system));
   // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations
   // the preconditioner can become indefinite, 30 are safe.
   list.set("smoother: type", "CHEBYSHEV");

@@ -7,8 +7,9 @@
 
 namespace cgcontact {
 
-/// Unknowns up to which MueLu factorises a matrix as it is.
-constexpr int factorised_unknowns = 4000;
+/// Returns the unknowns up to which MueLu factorises a matrix as it is: more in a plane, where the factors of a sparse
+/// matrix hardly fill in.
+int factorised_unknowns(const ElasticSystem& system);
 
 /// Sets up MueLu on the system's assembled matrix, with the rigid-body modes of the assembly.
 Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,

@@ -131,15 +131,21 @@ struct GhostFace {
 KOKKOS_INLINE_FUNCTION void hex_shape(const double xi[3], double N[8]) { HexElement<1>::shape(xi, N); }
 KOKKOS_INLINE_FUNCTION void hex_gradient(const double xi[3], double dN[8][3]) { HexElement<1>::gradient(xi, dN); }
 
-/// Isotropic elasticity with unit Young's modulus: lambda, mu (Lame).
+/// Isotropic elasticity with unit Young's modulus: lambda, mu (Lame). In trilinear cells what lambda has beyond that of
+/// nu = 0.4 resists the mean dilatation of the cell's part in the body only: at points it would lock them (Nagtegaal,
+/// Parks, Rice, Comput. Methods Appl. Mech. Eng. 4 (1974); docs/theory.md, "Nearly incompressible materials").
 struct UnitElasticity {
   double lambda = 0, mu = 0;
+  double lambda_of_mean = 0;  ///< the part of lambda that acts on the mean dilatation
   UnitElasticity() = default;
   explicit UnitElasticity(double poisson_ratio)
-      : lambda(poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))), mu(0.5 / (1 + poisson_ratio)) {}
-  /// Stress (xx, yy, zz, xy, yz, zx) of the displacement gradient g[i][j] = du_i/dx_j.
-  KOKKOS_INLINE_FUNCTION void stress(const double g[3][3], double s[6]) const {
-    const double trace = lambda * (g[0][0] + g[1][1] + g[2][2]);
+      : lambda(poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))),
+        mu(0.5 / (1 + poisson_ratio)),
+        lambda_of_mean(lambda > 4 * mu ? lambda - 4 * mu : 0) {}
+  KOKKOS_INLINE_FUNCTION double lambda_at_points() const { return lambda - lambda_of_mean; }
+  /// Stress (xx, yy, zz, xy, yz, zx) of the displacement gradient g[i][j] = du_i/dx_j and the cell's mean dilatation.
+  KOKKOS_INLINE_FUNCTION void stress(const double g[3][3], double mean_dilatation, double s[6]) const {
+    const double trace = lambda_at_points() * (g[0][0] + g[1][1] + g[2][2]) + lambda_of_mean * mean_dilatation;
     s[0] = trace + 2 * mu * g[0][0];
     s[1] = trace + 2 * mu * g[1][1];
     s[2] = trace + 2 * mu * g[2][2];

@@ -55,12 +55,12 @@ KOKKOS_INLINE_FUNCTION void add_ring_strain(const Ring& ring, const double u[8][
 }
 
 /// Stress from the corner displacements (per cell unit, unit Young's modulus): xx, yy, zz, xy, yz, zx.
-KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u[8][3], const double xi[3], double s[6],
-                                       const Ring& ring = {}) {
+KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u[8][3], double mean_dilatation,
+                                       const double xi[3], double s[6], const Ring& ring = {}) {
   double g[3][3];
   interpolate_gradient(u, xi, g);
   add_ring_strain(ring, u, xi, g);
-  law.stress(g, s);
+  law.stress(g, mean_dilatation, s);
 }
 
 /// Calls use(DoF, coefficient) for the row (24 entries) of the displacement at a point along a direction (grid axes).

@@ -26,6 +26,9 @@ using LevelVector = Kokkos::View<Real*, MemSpace>;
 /// and 20 % too low took twice the iterations.
 constexpr int lanczos_steps = 10;
 constexpr double eigenvalue_margin = 1.1;
+/// lambda / mu (nu = 0.495) beyond which factors of what can be factorised cost less than the iterations, which grow
+/// like it: docs/decisions.md, "Linear solves".
+constexpr double hard_to_smooth = 100;
 
 /// One grid of the hierarchy; the finest refers to the solver's own system.
 struct Level {
@@ -93,9 +96,15 @@ struct Multigrid::Impl {
     }
   }
 
+  /// The smoother damps motions without dilatation slowly, of nearly incompressible bodies ever less: what can be is
+  /// factorised.
   static bool may_coarsen(const ElasticSystem& system, const MultigridSettings& s) {
     const int bodies = static_cast<int>(system.meshes.size());
-    return system.num_dofs() > std::max(s.coarsest_unknowns, s.coarsest_unknowns_per_body * bodies) &&
+    const bool nearly_incompressible =
+        std::any_of(system.meshes.begin(), system.meshes.end(),
+                    [](const BodyMesh& mesh) { return !mesh.rigid && mesh.law.lambda > hard_to_smooth * mesh.law.mu; });
+    const int enough = nearly_incompressible ? factorised_unknowns(system) : s.coarsest_unknowns;
+    return system.num_dofs() > std::max(enough, s.coarsest_unknowns_per_body * bodies) &&
            std::any_of(system.meshes.begin(), system.meshes.end(),
                        [](const BodyMesh& mesh) { return !is_coarsest(*mesh.cut_cells); });
   }
@@ -134,7 +143,7 @@ struct Multigrid::Impl {
   void choose_grids() {
     const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
     double visits = steps;
-    for (std::size_t l = 1; most > factorised_unknowns && l + 1 < levels.size(); ++l) {
+    for (std::size_t l = 1; most > factorised_unknowns(fine) && l + 1 < levels.size(); ++l) {
       levels[l]->is_worked_on =
           visits * levels[l]->whole->num_dofs() <= most || !mostly_repeats(*levels[l - 1]->whole, *levels[l]->whole);
       if (levels[l]->is_worked_on) visits *= steps;

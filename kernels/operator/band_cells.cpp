@@ -196,8 +196,9 @@ namespace {
 template <class Real>
 typename BandCells<Real>::Law law_of(const BodyMesh& mesh) {
   typename BandCells<Real>::Law law;
-  law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
-  law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
+  law.lambda = static_cast<Real>(mesh.law.lambda_at_points() / mesh.law.mu);
+  law.across = static_cast<Real>(mesh.law.lambda_at_points() / mesh.law.mu + 2);
+  law.mean = static_cast<Real>(mesh.law.lambda_of_mean / mesh.law.mu);
   for (int p = 0; p < 3; ++p)
     law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
   law.fold = mesh.is_one_layer() ? 1 << mesh.cut_cells->grid.plane_strain : 0;

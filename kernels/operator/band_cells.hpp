@@ -41,7 +41,8 @@ struct BandCells {
   using PairBatches = Kokkos::View<Real* [27][L], Kokkos::LayoutRight, MemSpace>;
 
   struct Law {
-    Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu
+    Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu, of the dilatation at points
+    Real mean;            ///< lambda / mu of the mean dilatation
     Real full[3];         ///< mu times the full cell's moments 1, x x, x x y y
     int fold;             ///< plane strain: bit of the corners on the upper side, which are the lower ones; or 0
     bool ring;            ///< body of revolution: moments as in ring_moment
@@ -114,7 +115,7 @@ KOKKOS_FORCEINLINE_FUNCTION void full_forces(const typename BandCells<Real>::Law
     const V xx0 = c[d][D], yy0 = c[e][E], zz0 = c[g][G];
     // Normal stress along d tested with 1, E, G, EG; shear of d with e and with g tested with the derivatives of u_d.
     f[d][0] = V{};
-    f[d][D] = m0 * (law.across * xx0 + law.lambda * (yy0 + zz0));
+    f[d][D] = m0 * ((law.across + law.mean) * xx0 + (law.lambda + law.mean) * (yy0 + zz0));
     f[d][E] = m0 * (c[d][E] + c[e][D]);
     f[d][G] = m0 * (c[d][G] + c[g][D]);
     f[d][D | E] = m1 * (law.across * c[d][D | E] + law.lambda * c[g][G | E] + c[d][D | E]);
@@ -122,6 +123,24 @@ KOKKOS_FORCEINLINE_FUNCTION void full_forces(const typename BandCells<Real>::Law
     f[d][E | G] = m1 * ((c[d][E | G] + c[e][D | G]) + (c[d][E | G] + c[g][D | E]));
     f[d][7] = m2 * (law.across + 2) * c[d][7];
   }
+}
+
+/// Adds the modal forces of the mean dilatation over a cut cell's part in the body. Reads modes with normal strains
+/// only.
+template <class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void add_mean_forces(const Real mean, const V* m, const V c[3][8], V f[3][8]) {
+  constexpr int num = 4;
+  V dilatation = {};
+  const auto each_mode = [&](const auto& use) {
+    for (int d = 0; d < 3; ++d) {
+      const int D = 1 << d, E = 1 << (d + 1) % 3, G = 1 << (d + 2) % 3;
+      const int other[num] = {0, E, G, E | G};
+      for (int t = 0; t < num; ++t) use(d, other[t] | D, m[moment_index(other[t])]);
+    }
+  };
+  each_mode([&](int d, int mode, const V& moment) { dilatation += moment * c[d][mode]; });
+  const V pressure = mean * dilatation / m[0];
+  each_mode([&](int d, int mode, const V& moment) { f[d][mode] += moment * pressure; });
 }
 
 /// Modal forces from the moments of a cut cell.
@@ -173,6 +192,7 @@ KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law&
       if (!(mode[t] & D)) f[e][mode[t] | D] += sum;
     }
   }
+  if (law.mean > 0) add_mean_forces(law.mean, m, c, f);
 }
 
 /// Adds the support terms: modal forces from boundary moments of each pair of components.
@@ -285,10 +305,17 @@ KOKKOS_FORCEINLINE_FUNCTION void plane_forces(const typename BandCells<Real>::La
   const V eg = c[0][2] + c[1][1], across_p = law.across * p, across_q = law.across * q;
   const V lambda_p = law.lambda * p, lambda_q = law.lambda * q;
   const V shear = m0 * eg + mE * p + mG * q;
-  const V f[2][4] = {{none, m0 * ee + mG * across_p + mE * lambda_q, shear,
-                      mG * ee + mGG * across_p + mEG * lambda_q + mE * eg + mEE * p + mEG * q},
-                     {none, shear, m0 * gg + mE * across_q + mG * lambda_p,
-                      mE * gg + mEE * across_q + mEG * lambda_p + mG * eg + mEG * p + mGG * q}};
+  V f[2][4] = {{none, m0 * ee + mG * across_p + mE * lambda_q, shear,
+                mG * ee + mGG * across_p + mEG * lambda_q + mE * eg + mEE * p + mEG * q},
+               {none, shear, m0 * gg + mE * across_q + mG * lambda_p,
+                mE * gg + mEE * across_q + mEG * lambda_p + mG * eg + mEG * p + mGG * q}};
+  if (law.mean > 0) {
+    const V pressure = law.mean * (c[0][1] + c[1][2] + (mG * p + mE * q) / m0);
+    f[0][1] += m0 * pressure;
+    f[0][3] += mG * pressure;
+    f[1][2] += m0 * pressure;
+    f[1][3] += mE * pressure;
+  }
   to_plane_corners<d, false>(f[0], u[e]);
   to_plane_corners<d, false>(f[1], u[g]);
   for (int a = 0; a < 8; ++a) u[d][a] = none;
@@ -334,7 +361,17 @@ KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law
   const V sum = A * gg + L * (ee + gg), sum_E = (A + L) * q;  // around without b: sum + sum_E E + L p G
   const V f_b0 = n[0] * sum + n[1] * sum_E + L * n[2] * p + A * (w[0] * b0 + w[1] * b1);
   const V f_b1 = n[1] * sum + n[4] * sum_E + L * n[3] * p + A * (w[1] * b0 + w[2] * b1);
-  const V f[2][4] = {{V{}, f_ee, f_shear, f_p}, {f_b0, f_shear + f_b1, f_gg - diameter * f_b0, f_q - diameter * f_b1}};
+  V f[2][4] = {{V{}, f_ee, f_shear, f_p}, {f_b0, f_shear + f_b1, f_gg - diameter * f_b0, f_q - diameter * f_b1}};
+  if (law.mean > 0) {  // of what is integrated: (ee + 2 gg) (2 r) + b0 + ...
+    const V dilatation = r[0] * (ee + Real(2) * gg) + r[2] * p + Real(2) * r[1] * q + n[0] * b0 + n[1] * b1;
+    const V pressure = law.mean * dilatation / r[0];
+    f[0][1] += r[0] * pressure;
+    f[0][3] += r[2] * pressure;
+    f[1][0] += n[0] * pressure;
+    f[1][1] += n[1] * pressure;
+    f[1][2] += (Real(2) * r[0] - diameter * n[0]) * pressure;
+    f[1][3] += (Real(2) * r[1] - diameter * n[1]) * pressure;
+  }
   to_plane_corners<d, false>(f[0], u[e]);
   to_plane_corners<d, true>(f[1], u[g]);
   for (int a = 0; a < 8; ++a) u[d][a] = V{};

@@ -7,29 +7,36 @@
 namespace cgcontact {
 namespace {
 
-/// K += factor sum_q w_q B_q^T D B_q over the Gauss points.
+/// K = factor sum_q w_q B_q^T D B_q over the Gauss points, and of trilinear elements the share of the mean dilatation.
 template <int degree, class Matrix>
 void integrate_stiffness(const UnitElasticity& law, const double* weights, double factor, const Matrix& matrix) {
   using Element = HexElement<degree>;
   using Gauss = typename Element::Gauss;
   constexpr int nodes = Element::num_nodes, n = Gauss::count;
-  double K[Element::num_dofs][Element::num_dofs] = {};
+  double K[Element::num_dofs][Element::num_dofs] = {}, dilatation[Element::num_dofs] = {}, volume = 0;
+  const double lambda = degree == 1 ? law.lambda_at_points() : law.lambda;
   for (int q = 0; q < n * n * n; ++q) {
     const double xi[3] = {Gauss::point[q / (n * n)], Gauss::point[q / n % n], Gauss::point[q % n]};
     double dN[nodes][3];
     Element::gradient(xi, dN);
     const double w = weights[q] / 8;  // cell coordinates -> cell units
+    volume += w;
+    for (int a = 0; a < nodes; ++a)
+      for (int i = 0; i < 3; ++i) dilatation[dof_of(a, i)] += w * dN[a][i];
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b)
         for (int i = 0; i < 3; ++i) {
           const double *ga = dN[a], *gb = dN[b];
           for (int j = 0; j < 3; ++j)
-            K[dof_of(a, i)][dof_of(b, j)] += w * (law.lambda * ga[i] * gb[j] + law.mu * ga[j] * gb[i]);
+            K[dof_of(a, i)][dof_of(b, j)] += w * (lambda * ga[i] * gb[j] + law.mu * ga[j] * gb[i]);
           K[dof_of(a, i)][dof_of(b, i)] += w * law.mu * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
         }
   }
+  const double of_mean = law.lambda - lambda;
   for (int r = 0; r < Element::num_dofs; ++r)
-    for (int c = 0; c < Element::num_dofs; ++c) matrix(r, c) = factor * 0.5 * (K[r][c] + K[c][r]);
+    for (int c = 0; c < Element::num_dofs; ++c)
+      matrix(r, c) =
+          factor * (0.5 * (K[r][c] + K[c][r]) + (of_mean > 0 ? of_mean * dilatation[r] * dilatation[c] / volume : 0));
 }
 
 /// The same for a cell of a body of revolution: strain u_r / r across, volume in proportion to the radius. The five
@@ -41,7 +48,10 @@ void integrate_ring(const BodyMesh& mesh, int cell, const double* weights, doubl
   constexpr int nodes = Element::num_nodes, n = Gauss5::count;
   const Grid& grid = mesh.cut_cells->grid;
   const Ring ring = mesh.ring_of(cell);
-  double K[Element::num_dofs][Element::num_dofs] = {};
+  UnitElasticity at_points = mesh.law;
+  at_points.lambda = degree == 1 ? mesh.law.lambda_at_points() : mesh.law.lambda;
+  at_points.lambda_of_mean = 0;
+  double K[Element::num_dofs][Element::num_dofs] = {}, dilatation[Element::num_dofs] = {}, volume = 0;
   for (int q = 0; q < n * n * n; ++q) {
     const double xi[3] = {Gauss5::point[q / (n * n)], Gauss5::point[q / n % n], Gauss5::point[q % n]};
     double N[nodes], dN[nodes][3];
@@ -55,8 +65,10 @@ void integrate_ring(const BodyMesh& mesh, int cell, const double* weights, doubl
         double(&g)[3][3] = gradient[dof_of(a, i)];
         for (int j = 0; j < 3; ++j) g[i][j] = dN[a][j];
         if (i == ring.radial) g[ring.across][ring.across] = 2 * N[a] / diameter;
-        mesh.law.stress(g, stress[dof_of(a, i)]);
+        at_points.stress(g, 0, stress[dof_of(a, i)]);
+        dilatation[dof_of(a, i)] += w * (g[0][0] + g[1][1] + g[2][2]);
       }
+    volume += w;
     for (int r = 0; r < Element::num_dofs; ++r)
       for (int c = 0; c < Element::num_dofs; ++c)
         for (int i = 0; i < 3; ++i) {
@@ -65,8 +77,11 @@ void integrate_ring(const BodyMesh& mesh, int cell, const double* weights, doubl
               w * (gradient[r][i][i] * stress[c][i] + (gradient[r][i][j] + gradient[r][j][i]) * stress[c][3 + i]);
         }
   }
+  const double of_mean = mesh.law.lambda - at_points.lambda;
   for (int r = 0; r < Element::num_dofs; ++r)
-    for (int c = 0; c < Element::num_dofs; ++c) matrix(r, c) = factor * 0.5 * (K[r][c] + K[c][r]);
+    for (int c = 0; c < Element::num_dofs; ++c)
+      matrix(r, c) =
+          factor * (0.5 * (K[r][c] + K[c][r]) + (of_mean > 0 ? of_mean * dilatation[r] * dilatation[c] / volume : 0));
 }
 
 }  // namespace
@@ -110,7 +125,8 @@ GhostMatrixOf<degree> make_ghost_matrix(const BodyMesh& mesh, double gamma) {
   using Face = GhostFace<degree>;
   using Line = LineElement<degree>;
   constexpr int n = HexElement<degree>::nodes_per_line, per_layer = HexElement<degree>::nodes_per_face;
-  const double factor = gamma * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.thickness_of_level(0);
+  const double factor =
+      gamma * (2 * mesh.law.mu + mesh.law.lambda_at_points()) * mesh.modulus * mesh.thickness_of_level(0);
   GhostMatrixOf<degree> g{};
   for (int order = 1; order <= degree; ++order) {
     const double share = order == 1 ? factor : factor / 4;  // l!^2

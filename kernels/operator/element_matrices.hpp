@@ -5,9 +5,9 @@
 
 namespace cgcontact {
 
-/// Ghost penalty gamma (2 mu + lambda) sum over orders l of h^(2l-1) / l!^2 int_F [d_n^l u] . [d_n^l v], l = 1 ..
-/// degree (Burman, Ghost penalty, C. R. Acad. Sci. Paris 348 (2010)): one matrix per component serves the faces of all
-/// directions; rows and columns: nodes of GhostFace.
+/// Ghost penalty gamma (2 mu + lambda at points) sum over orders l of h^(2l-1) / l!^2 int_F [d_n^l u] . [d_n^l v], l =
+/// 1 .. degree (Burman, Ghost penalty, C. R. Acad. Sci. Paris 348 (2010)): one matrix per component serves the faces of
+/// all directions; rows and columns: nodes of GhostFace.
 template <int degree>
 using GhostMatrixOf = std::array<std::array<double, GhostFace<degree>::num_nodes>, GhostFace<degree>::num_nodes>;
 using GhostMatrix = GhostMatrixOf<1>;

@@ -39,7 +39,7 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     const BodyMesh& mesh = *levels[b];
     const CutCells& cc = *mesh.cut_cells;
     const int body = static_cast<int>(b);
-    factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus *
+    factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda_at_points()) * mesh.modulus *
                      mesh.thickness_of_level(0) / 36);
     if (system.ghost_penalty == 0) continue;
     const int alone = mesh.is_axisymmetric() ? cc.grid.radial_axis() : -1;  ///< faces that differ along a chain

@@ -16,7 +16,7 @@ struct GhostChains {
   struct Chain {
     int direction, faces;
     int rows;     ///< first entry in `row`
-    Real factor;  ///< gamma (2 mu + lambda) h / 36, softer where a body is thinner than a cell
+    Real factor;  ///< gamma (2 mu + lambda at points) h / 36, softer where a body is thinner than a cell
     int fold;     ///< plane strain: bit of the corners of a face on the upper side, which are the lower ones; or 0
   };
   Kokkos::View<Chain*, MemSpace> chains;

@@ -133,20 +133,30 @@ class TileMaker {
 template <class Real>
 StencilCoefficients<Real>::StencilCoefficients(const BodyMesh& mesh, double sign) {
   const double scale = sign * mesh.modulus * mesh.thickness_of_level(0);
-  const double mu = mesh.law.mu, across = mesh.law.lambda + 2 * mu, mixed = mesh.law.lambda + mu;
+  const double mu = mesh.law.mu, lambda = mesh.law.lambda_at_points(), mean = mesh.law.lambda_of_mean;
+  const double across = lambda + 2 * mu, mixed = lambda + mu;
+  // S along c times A along both others at a node that is or is not beside the middle one in x, y, z.
+  const auto of_mean = [mean](int c, const std::array<bool, 3>& beside) {
+    double product = mean;
+    for (int k = 0; k < 3; ++k) product *= k == c ? (beside[k] ? -1 : 2) : (beside[k] ? 0.25 : 0.5);
+    return product;
+  };
   for (int c = 0; c < 3; ++c) {
     const double a = c == 0 ? across : mu;                            // of Sx My Mz
     const double b = c == 1 ? across : mu, d = c == 2 ? across : mu;  // of Mx Sy Mz, Mx My Sz
     const double mass[4] = {1. / 36, 4. / 36, 4. / 36, 16. / 36};
     const double stiff[4] = {-(b + d) / 6, (-4 * b + 2 * d) / 6, (2 * b - 4 * d) / 6, 8 * (b + d) / 6};
     for (int e = 0; e < 4; ++e) {
-      outer[c][e] = static_cast<Real>(scale * (stiff[e] / 6 - a * mass[e]));
-      inner[c][e] = static_cast<Real>(scale * (4 * stiff[e] / 6 + 2 * a * mass[e]));
+      outer[c][e] = static_cast<Real>(scale * (stiff[e] / 6 - a * mass[e] + of_mean(c, {1, e < 2, e % 2 == 0})));
+      inner[c][e] =
+          static_cast<Real>(scale * (4 * stiff[e] / 6 + 2 * a * mass[e] + of_mean(c, {0, e < 2, e % 2 == 0})));
     }
   }
-  cross_outer = static_cast<Real>(-scale * mixed / 24);
-  cross_inner = static_cast<Real>(-scale * mixed / 6);
-  cross_x = static_cast<Real>(scale * mixed / 24);
+  const double corner = mixed / 24 + mean / 16;
+  cross_outer = static_cast<Real>(-scale * corner);
+  cross_inner = static_cast<Real>(-scale * (mixed / 6 + mean / 8));
+  cross_x = static_cast<Real>(scale * corner);
+  cross_edge = static_cast<Real>((mixed / 6 + mean / 8) / corner);
 }
 
 template <class Real>

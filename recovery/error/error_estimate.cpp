@@ -2,6 +2,7 @@
 
 #include "core/base/process/parallel.hpp"
 #include "core/base/process/ranks.hpp"
+#include "kernels/mesh/mean_dilatation.hpp"
 #include "recovery/patch/polynomials.hpp"
 
 namespace cgcontact {
@@ -71,9 +72,10 @@ struct CellStresses {
         g[ring.across][ring.across][q] = gradient[ring.across][ring.across];
       }
     const double factor = mesh.stress_factor(cell);
-    const double lambda = factor * mesh.law.lambda, mu = factor * mesh.law.mu;
+    const double lambda = factor * mesh.law.lambda_at_points(), mu = factor * mesh.law.mu;
+    const double of_mean = factor * mesh.law.lambda_of_mean * mean_dilatation(mesh, cell, u);
     for (int q = 0; q < Tables::num_points; ++q) {
-      const double trace = lambda * (g[0][0][q] + g[1][1][q] + g[2][2][q]);
+      const double trace = lambda * (g[0][0][q] + g[1][1][q] + g[2][2][q]) + of_mean;
       for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
         raw[i][q] = trace + 2 * mu * g[i][i][q];

@@ -1,14 +1,18 @@
 #include "recovery/spr/cell_stress.hpp"
 
+#include <algorithm>
+
 #include "core/base/process/parallel.hpp"
+#include "kernels/mesh/mean_dilatation.hpp"
 #include "recovery/spr/corner_differences.hpp"
 #include "recovery/spr/sum_kernels.hpp"
 
 namespace cgcontact {
 CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u) {
   return [&mesh, u](int cell) {
-    double h[8][3];
-    corner_values(mesh.cell_nodes[cell], u, h);
+    double corner[8][3], h[8][3];
+    corner_values(mesh.cell_nodes[cell], u, corner);
+    std::copy(&corner[0][0], &corner[0][0] + 24, &h[0][0]);
     corner_differences(h);
     constexpr int term[3][4] = {{0, 2, 3, 8}, {0, 1, 3, 9}, {0, 1, 2, 7}};
     double g[Polynomial<2>::num_terms][3][3] = {};
@@ -23,9 +27,10 @@ CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u) {
     }
     CellPolynomial polynomial = CellPolynomial::Zero();
     const double factor = mesh.stress_factor(cell);
+    const double mean = mean_dilatation(mesh, cell, corner);
     for (int t : {0, 1, 2, 3, 7, 8, 9}) {
       double s[6];
-      mesh.law.stress(g[t], s);
+      mesh.law.stress(g[t], t == 0 ? mean : 0, s);
       for (int k = 0; k < 6; ++k) polynomial(k, t) = factor * s[k];
     }
     return polynomial;

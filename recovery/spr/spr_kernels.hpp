@@ -16,8 +16,9 @@ KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, dou
   constexpr int slot[3][num_terms][4] = {{{0, 2, 3, 8}, {1, 7, 9, 10}, {2, 5, 8, 14}, {3, 8, 6, 16}},
                                          {{0, 1, 3, 9}, {1, 4, 9, 12}, {2, 7, 8, 10}, {3, 9, 6, 15}},
                                          {{0, 1, 2, 7}, {1, 4, 7, 11}, {2, 7, 5, 13}, {3, 9, 8, 10}}};
+  double gradient[num_terms][3][3], dilatation[num_terms];
   for (int t = 0; t < num_terms; ++t) {
-    double g[3][3], s[6];
+    double(&g)[3][3] = gradient[t];
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) {
         g[i][j] = 0;
@@ -31,7 +32,16 @@ KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, dou
       g[a][a] = g[ring.radial][ring.radial];
       for (int term = 0; term < 4; ++term) g[a][a] += c[term] * moments[slot[a][t][term]];
     }
-    law.stress(g, s);
+    dilatation[t] = g[0][0] + g[1][1] + g[2][2];
+  }
+  // Over a volume that is in proportion to the radius.
+  const int r = 1 + ring.radial;
+  const double mean = ring.across < 0 ? dilatation[0] / moments[0]
+                                      : (ring.diameter * dilatation[0] + 2 * dilatation[r]) /
+                                            (ring.diameter * moments[0] + 2 * moments[r]);
+  for (int t = 0; t < num_terms; ++t) {
+    double s[6];
+    law.stress(gradient[t], mean * moments[t], s);
     for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
   }
 }
@@ -49,7 +59,7 @@ KOKKOS_INLINE_FUNCTION void full_cell_stress_integrals(const UnitElasticity& law
       const double weight = corner_scale(term) * (t == 0 ? 1 : 1. / 12);
       for (int i = 0; i < 3; ++i) g[i][j] = weight * u[corner_difference(j, term)][i];
     }
-    law.stress(g, s);
+    law.stress(g, t == 0 ? g[0][0] + g[1][1] + g[2][2] : 0, s);
     for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
   }
 }

@@ -207,6 +207,19 @@ class Axisymmetric(unittest.TestCase):
                 self.assertAlmostEqual(sum(carried) / pair["normal_force"], 1, delta=0.03)
                 self.assertAlmostEqual(carried[0] / sum(carried), 0.5, delta=0.05)
 
+    def test_rubber_does_not_lock(self):
+        """An O-ring squeezed by 15 %: its force rises by 1.3 % from nu = 0.45 to 0.49 and by 0.5 % on to 0.4999 (280.4 N, on as many
+        cells); cells that lock make it several times as stiff, or find no solution. Where the loads do not give the force the first
+        grid's zone is not taken for that of its force, which is a hundredth."""
+        forces = {}
+        for nu in (0.45, 0.49, 0.4999):
+            figures = self.solve(harness.SOURCE / "tests/scenes/o_ring.toml", *settings(nu=nu, s=0.15), out=f"rubber_{nu}")[1]
+            self.assertTrue(figures["accuracy"]["reached"], nu)
+            self.assertLess(figures["unknowns"], 6000)  # 1,308 to 2,506
+            forces[nu] = figures["contact"][0]["normal_force"]
+        self.assertAlmostEqual(forces[0.49] / forces[0.45], 1.013, delta=0.01)  # each is estimated to 0.8 %
+        self.assertAlmostEqual(forces[0.4999] / forces[0.49], 1.005, delta=0.01)
+
     def test_check_says_it(self):
         outcome = cgcontact("check", scene("punch_axisymmetric"), "--out", "drawn")
         self.assertEqual(outcome.code, 0, outcome.err)

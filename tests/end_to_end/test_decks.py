@@ -203,6 +203,31 @@ class Decks(unittest.TestCase):
             self.assertIn(told, outcome.out)
             self.assertIn(told, scene)
 
+    def test_parameters_of_keywords(self):
+        """Conditions that a step replaces are gone; faces that neither part nor slide are bonded; parameters that are not read are told with
+        their keyword; coordinates about an axis are refused."""
+        mesh = two_blocks("C3D8", gap=1e-7).text() + MATERIALS
+        before = "*BOUNDARY\nLOWZ0, 1, 3\nHIGHZ1, 3, 3, -0.5\n"
+        replaced = SURFACES + CONDITIONS.replace("*BOUNDARY\n", "*BOUNDARY, OP=NEW\n").replace("*STEP\n", "*STEP, NLGEOM\n")
+        for interaction, bonded, told in (("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n", True, None),
+                                          ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n", False, None),
+                                          ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n5.\n", False, "PRESSURE-OVERCLOSURE=LINEAR"),
+                                          ("*SURFACE BEHAVIOR, NO SEPARATION\n", False, "NO SEPARATION")):
+            with self.subTest(interaction):
+                text = mesh + "*SURFACE INTERACTION, NAME=HARDCONTACT\n" + interaction + before + replaced
+                outcome = self.init(text.replace("*CONTACT PAIR,", "*CONTACT PAIR, ADJUST=0.1,"), "told")
+                self.assertEqual(outcome.code, 0, outcome.err)
+                scene = pathlib.Path("told.toml").read_text()
+                self.assertEqual("bonded = true" in scene, bonded)
+                self.assertNotIn("-0.5", scene)
+                self.assertNotIn("z = -", scene)
+                for part in ("*STEP, NLGEOM", "*CONTACT PAIR, ADJUST=0.1", *([told] if told else [])):
+                    self.assertIn(part, outcome.out)
+                self.assertEqual("SURFACE BEHAVIOR" in outcome.out, told is not None, outcome.out)
+        outcome = self.init(mesh.replace("*NODE\n", "*NODE, SYSTEM=C\n"), "round")
+        self.assertEqual(outcome.code, 1)
+        self.assertIn("SYSTEM=C", outcome.err)
+
     def test_included_files(self):
         """*INCLUDE from the folder of the file that includes; in a circle it is an error."""
         mesh = two_blocks("C3D8", gap=1e-7)

@@ -238,11 +238,10 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
   for (std::size_t p = 0; p < num_pairs; ++p) {
     for (std::size_t k = 0; k < results.steps.size(); ++k) {
       const PairFigures& pair = results.steps[k].pairs[p];
-      force = std::max(force, pair.force_on_first.norm());
+      force = std::max(force, told_force(pair));
       pressure = std::max(pressure, pair.max_pressure);
       area = std::max(area, pair.area);
-      fmt::format_to(std::back_inserter(data), "{} {} {} {}\n", k + 1, pair.force_on_first.norm(), pair.area,
-                     pair.max_pressure);
+      fmt::format_to(std::back_inserter(data), "{} {} {} {}\n", k + 1, told_force(pair), pair.area, pair.max_pressure);
     }
     data += "\n\n";
   }

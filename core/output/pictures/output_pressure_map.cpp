@@ -13,6 +13,7 @@
 
 #include "core/base/files/text.hpp"
 #include "core/drawing/clip_cells.hpp"
+#include "core/drawing/contact_fit.hpp"
 #include "core/drawing/curve_ends.hpp"
 #include "core/drawing/face_chart.hpp"
 #include "core/drawing/render.hpp"
@@ -158,8 +159,8 @@ std::string quantity(const Results& results, std::size_t pair) {
 /// Fragment of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.
 using Fragment = std::array<RasterVertex, 3>;
 
-/// The recovered pressure at the corners of the triangles; those in which the contact zone ends are divided, because
-/// the pressure falls like a square root there.
+/// The pressure of the contact rows at the corners of the triangles; those in which the contact zone ends are divided,
+/// because the pressure falls like a square root there, or jumps where the other face ends.
 class Fragments {
  public:
   /// Collects the triangles that reach into the paper.
@@ -168,12 +169,12 @@ class Fragments {
       : body_(results.bodies[face.body]),
         range_(range_of(results, face.pair)),
         bonded_(results.pairs[face.pair].bonded),
-        chart_(chart) {
+        chart_(chart),
+        fit_(results, face.body) {
     for (int i : face.index) {
       const auto& t = surface.triangles[i];
       const Vec3 x[3] = {surface.position[t[0]], surface.position[t[1]], surface.position[t[2]]};
       cell_ = surface.cell[i];
-      normal_ = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
       near_ = (x[0] + x[1] + x[2]) / 3;
       if (!reaches(paper, {chart_.position(x[0], near_), chart_.position(x[1], near_), chart_.position(x[2], near_)}))
         continue;
@@ -222,12 +223,10 @@ class Fragments {
     return true;
   }
 
-  Corner corner(const Vec3& x) const {
-    const CutCells& cells = *body_.cut_cells;
-    const Sym3 s = body_.stress_recovered(cell_, clamped_cell_coordinates(cells, cell_, cells.grid.to_grid(x)));
-    Mat3 tensor;
-    tensor << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
-    return {x, (-normal_.dot(tensor * normal_) - range_.low) / (range_.high - range_.low)};
+  Corner corner(const Vec3& x) {
+    const auto values = fit_.at(x, body_.cut_cells->h(cell_));
+    const double pressure = values && std::isfinite(values->pressure) ? values->pressure : 0;
+    return {x, (pressure - range_.low) / (range_.high - range_.low)};
   }
 
   void divide(const Corner& a, const Corner& b, const Corner& c, int divisions) {
@@ -252,8 +251,9 @@ class Fragments {
   const DrawnRange range_;
   const bool bonded_;
   const FaceChart& chart_;
+  ContactFit fit_;
   int cell_ = 0;
-  Vec3 normal_, near_;
+  Vec3 near_;
   std::vector<Fragment> fragments_;
 };
 
@@ -596,7 +596,7 @@ std::vector<std::size_t> pairs_to_draw(const Results& results) {
   std::vector<std::size_t> pairs(results.pairs.size());
   std::iota(pairs.begin(), pairs.end(), std::size_t{0});
   const auto force = [&](std::size_t k) {
-    const double f = results.pairs[k].force_on_first.norm();
+    const double f = told_force(results.pairs[k]);
     return std::isfinite(f) ? f : 0;
   };
   std::stable_sort(pairs.begin(), pairs.end(), [&](std::size_t a, std::size_t b) { return force(a) > force(b); });

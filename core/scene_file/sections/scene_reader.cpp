@@ -554,6 +554,10 @@ FaceRef SceneReader::resolve_face(const TomlCursor& node, const std::string& ref
   if (unread_[result.body].shape) throw FollowingMistake();
   result.face.surfaces = shapes_[result.body].resolve(face);
   result.face.owners = shapes_[result.body].owners_of_shared(result.face.surfaces);
+  if (const std::string other = shapes_[result.body].one_with(result.face.surfaces); !other.empty())
+    node.fail("lies in line with \"" + name + "." + other + "\": both edges are one face",
+              "one name for both edges, or a part of the face: faces = [{name = .., surfaces = [\"" + face +
+                  "\"], box = {min, max}}] in the [[body]]");
   if (!result.face.surfaces.empty()) return result;
   if (unread_[result.body].faces) throw FollowingMistake();
   const std::vector<std::string> known = face_names(result.body);

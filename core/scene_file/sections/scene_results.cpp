@@ -81,8 +81,18 @@ std::vector<ScalarField> read_fields(const TomlCursor& node) {
 
 }  // namespace
 
-/// Points that no body holds are remembered; an error if there are no others.
+/// Points that no body holds are remembered; an error if there are no others, or if one is not in the half-plane of
+/// bodies of revolution.
 void SceneReader::find_outside(const TomlCursor& node, ProbeSpec& probe) const {
+  if (const BodySpec& body = scene_.bodies.front(); body.axisymmetric()) {
+    constexpr double rounding = 1e-9;
+    const int across = *body.axis_across();
+    for (const Vec3& x : probe.points)
+      if (std::abs(x[across]) > rounding * body.unit_radius)
+        node.fail(fmt::format("({:.4g}, {:.4g}, {:.4g}) m is not in the half-plane of the bodies of revolution", x[0],
+                              x[1], x[2]),
+                  fmt::format("{} = 0", coordinate_names()[across]));
+  }
   std::vector<char> held(probe.points.size(), 0);
   parallel_for("cgcontact::scene::probes", probe.points.size(), 16, [&](std::size_t i) {
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b)

@@ -282,6 +282,19 @@ std::vector<std::string> Shape::resolve(const std::string& reference) const {
   return by_face.size() == 1 ? by_face : std::vector<std::string>{};
 }
 
+std::string Shape::one_with(const std::vector<std::string>& faces) const {
+  if (!as_csg(solid)) return "";
+  const auto primitive_of = [](const std::string& name) { return name.substr(0, name.find('.')); };
+  const auto is_listed = [&](const std::string& name) {
+    return std::find(faces.begin(), faces.end(), name) != faces.end();
+  };
+  for (const Surface& surface : solid.surfaces())
+    for (const std::string& listed : surface.names)
+      for (const std::string& other : surface.names)
+        if (is_listed(listed) && !is_listed(other) && primitive_of(listed) == primitive_of(other)) return other;
+  return "";
+}
+
 std::vector<Solid> Shape::owners_of_shared(const std::vector<std::string>& faces) const {
   if (!as_csg(solid)) return {};
   const auto is_listed = [&](const std::string& name) {

@@ -32,6 +32,9 @@ struct Shape {
   /// Returns the faces that "primitive.face", "primitive" (all its faces) or "face" (if only one primitive has such a
   /// face) means; empty if none.
   std::vector<std::string> resolve(const std::string& reference) const;
+  /// Returns another face of the same primitive that is one with some of these (two edges of a profile in one line);
+  /// "": there is none.
+  std::string one_with(const std::vector<std::string>& faces) const;
   /// Returns the primitives of some faces ("primitive.face") if other primitives have faces on the same surfaces (two
   /// boxes of a union on one plane); none otherwise, and of bodies with surfaces from files.
   std::vector<Solid> owners_of_shared(const std::vector<std::string>& faces) const;

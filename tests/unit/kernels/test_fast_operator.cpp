@@ -136,7 +136,7 @@ TEST(FastOperator, BlocksOfColumns) {
         low[axis] = offset;
         high[axis] = offset + thickness;
         const CutCells cells = make_cut_cells(Solid::box(low, high, "plate"), grid);
-        ElasticSystem system = make_elastic_system({&cells}, {Material{2.0, 0.3}}, Scales{0.7, 3.0}, 0.02);
+        ElasticSystem system = make_elastic_system({&cells}, {Material{2.0, 0.49}}, Scales{0.7, 3.0}, 0.02);
         const std::string what = fmt::format("axis {}, thickness {}, offset {}", axis, thickness, offset);
         const Vec3 direction = Vec3(1, 2, 3).normalized();
         for (int e : cells.active_of_cut) add_support_terms(system, 0, {{e, Vec3(0.1, -0.3, 0.2), direction, 0.7}});
@@ -151,7 +151,7 @@ void compare_both(const ElasticSystem& system, const std::string& what) {
 }
 
 ElasticSystem make_system(const CutCells& cc, double gamma) {
-  return make_elastic_system({&cc}, {Material{2.0, 0.3}}, Scales{0.7, 3.0}, gamma);
+  return make_elastic_system({&cc}, {Material{2.0, 0.47}}, Scales{0.7, 3.0}, gamma);
 }
 
 /// A box of whole cells, one layer of empty cells around it or not.
