@@ -23,6 +23,9 @@ constexpr double max_narrowing = 1000;
 /// Cells across a zone below which its closed groups hardly show its position and width.
 constexpr double about_a_cell = 2.5;
 
+/// Least gap of a pair over its estimated error beyond which no smaller cells look for contact.
+constexpr double certainly_open = 5;
+
 /// Growth of the local cell size from one grid to the next.
 constexpr double max_growth = 2;
 
@@ -39,6 +42,10 @@ void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneStat
     }
   zone.cell = width.cells ? width.cell : smallest;
   if (width.cells) zone.width = *width.cells * width.cell;
+}
+
+bool is_open_for_certain(const PairFigures& pair) {
+  return pair.min_gap && pair.min_gap_error && *pair.min_gap > certainly_open * *pair.min_gap_error;
 }
 
 /// Adds groups whose faces are nearer to each other than a fraction of a cell, although nothing is closed.
@@ -126,7 +133,8 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
       continue;
     }
     for (const LeastGap& gap : lost) zone.cell = std::max(zone.cell, gap.cell);
-    if (lost.empty()) add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
+    if (lost.empty() && !is_open_for_certain(results.pairs[p]))
+      add_near_groups(state, pair, state.scene.accuracy.near_gap, zone);
     zone.relevant = !zone.balls.empty() || !zone.missed.empty();
   }
   return zones;
