@@ -404,25 +404,32 @@ PYBIND11_MODULE(_cgcontact, module) {
   module.def("stop", &stop);
   py::class_<PythonScene>(module, "Scene",
                           "A scene that has been read: `title`, `file`, `parameters` (SI units), `bodies` (names).")
-      .def_property_readonly("title", [](const PythonScene& s) { return s.scene()->title; })
-      .def_property_readonly("file",
-                             [](const PythonScene& s) {
-                               const std::string& name = s.scene()->file;  // need not be UTF-8
-                               return py::reinterpret_steal<py::str>(PyUnicode_DecodeFSDefaultAndSize(
-                                   name.data(), static_cast<py::ssize_t>(name.size())));
-                             })
-      .def_property_readonly("parameters",
-                             [](const PythonScene& s) {
-                               std::map<std::string, double> values;
-                               for (const auto& [name, value] : s.scene()->parameters) values[name] = value;
-                               return values;
-                             })
-      .def_property_readonly("bodies",
-                             [](const PythonScene& s) {
-                               std::vector<std::string> names;
-                               for (const BodySpec& body : s.scene()->bodies) names.push_back(body.name);
-                               return names;
-                             })
+      .def_property_readonly(
+          "title", [](const PythonScene& s) { return s.scene()->title; }, "The scene's title.")
+      .def_property_readonly(
+          "file",
+          [](const PythonScene& s) {
+            const std::string& name = s.scene()->file;  // need not be UTF-8
+            return py::reinterpret_steal<py::str>(
+                PyUnicode_DecodeFSDefaultAndSize(name.data(), static_cast<py::ssize_t>(name.size())));
+          },
+          "Name of the file that was read.")
+      .def_property_readonly(
+          "parameters",
+          [](const PythonScene& s) {
+            std::map<std::string, double> values;
+            for (const auto& [name, value] : s.scene()->parameters) values[name] = value;
+            return values;
+          },
+          "Values of [parameters] by name, in SI units.")
+      .def_property_readonly(
+          "bodies",
+          [](const PythonScene& s) {
+            std::vector<std::string> names;
+            for (const BodySpec& body : s.scene()->bodies) names.push_back(body.name);
+            return names;
+          },
+          "Names of the bodies.")
       .def("check", &PythonScene::check,
            "The text of `cgcontact check`: cells, faces, pairs, what holds. Raises InputError.")
       .def("_solve", [](const PythonScene& s, const py::object& progress) {
@@ -430,15 +437,27 @@ PYBIND11_MODULE(_cgcontact, module) {
       });
   py::class_<PythonResult>(module, "Result", "The result of a solve, with its fields.")
       .def("_report", &PythonResult::report)
-      .def_property_readonly("summary", &PythonResult::summary_text)
-      .def_property_readonly("converged", [](PythonResult& r) { return r.results().converged; })
-      .def_property_readonly("diagnosis", [](PythonResult& r) { return r.results().diagnosis; })
-      .def_property_readonly("unknowns", [](PythonResult& r) { return r.results().unknowns; })
-      .def_property_readonly("warnings", [](PythonResult& r) { return r.results().warnings; })
-      .def_property_readonly("patch_kinds", [](PythonResult& r) { return r.results().patch_kinds; })
-      .def_property_readonly("patch_statuses", [](PythonResult& r) { return r.results().patch_statuses; })
-      .def_property_readonly("contact", [](const py::object& self) { return self.cast<PythonResult&>().contact(self); })
-      .def_property_readonly("path", &PythonResult::path)
+      .def_property_readonly("summary", &PythonResult::summary_text, "What the terminal shows.")
+      .def_property_readonly(
+          "converged", [](PythonResult& r) { return r.results().converged; }, "Whether the solve has converged.")
+      .def_property_readonly(
+          "diagnosis", [](PythonResult& r) { return r.results().diagnosis; },
+          "Why it has not converged; \"\" if it has.")
+      .def_property_readonly(
+          "unknowns", [](PythonResult& r) { return r.results().unknowns; }, "Number of unknowns.")
+      .def_property_readonly(
+          "warnings", [](PythonResult& r) { return r.results().warnings; }, "Warnings, one sentence each.")
+      .def_property_readonly(
+          "patch_kinds", [](PythonResult& r) { return r.results().patch_kinds; },
+          "Names of the numbers of `patch_kind`.")
+      .def_property_readonly(
+          "patch_statuses", [](PythonResult& r) { return r.results().patch_statuses; },
+          "Names of the numbers of `patch_status`.")
+      .def_property_readonly(
+          "contact", [](const py::object& self) { return self.cast<PythonResult&>().contact(self); },
+          "Contact points: the columns of contact.csv as arrays (n,), m and Pa.")
+      .def_property_readonly("path", &PythonResult::path,
+                             "Pressure along the paths: the columns of pressure.csv as arrays (n,), m and Pa.")
       .def("cells", &PythonResult::cells, "body"_a,
            "Of the n active cells of a body: `centre` (n, 3) m, `size` m, `volume_fraction`, `error` (estimated, "
            "energy norm) "
