@@ -65,7 +65,7 @@ void LoadSteps::run() {
 
 void LoadSteps::solve_increment() {
   set_loads_of(present_step());
-  state_.outer = solver_->solve(progress_.step);
+  state_.take(solver_->solve(progress_.step));
 }
 
 /// Returns the factors of loads, prescribed displacements and interferences in the present increment.
@@ -147,7 +147,7 @@ bool LoadSteps::hold_lost_bodies() {
 
 /// Takes back what hold_lost_bodies has done: the bodies touch nothing, held or not.
 void LoadSteps::release_lost_bodies() {
-  state_.outer = not_held_->outer;
+  state_.take(not_held_->outer);
   state_.pairs = not_held_->pairs;
   state_.supports.resize(not_held_->num_supports);
   state_.make_system(exec_);

@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "contact/results/face_problems/face_problems.hpp"
-#include "core/base/process/parallel.hpp"
-#include "kernels/mesh/mean_dilatation.hpp"
 #include "recovery/constrained/divergence.hpp"
 #include "recovery/error/error_estimate.hpp"
 
@@ -101,28 +99,12 @@ void constrain_fields(SolvedState& state, const std::vector<PatchSet>& patches, 
   }
 }
 
-/// Computes SolvedState::mean_dilatations.
-std::vector<std::vector<double>> mean_dilatations(const SolvedState& state) {
-  std::vector<std::vector<double>> all;
-  for (const BodyMesh& mesh : state.system.meshes) {
-    std::vector<double> means(mesh.law.lambda_of_mean > 0 ? mesh.cell_nodes.size() : 0);
-    parallel_for("cgcontact::stress_recovery::mean_dilatations", means.size(), grain_of_medium, [&](std::size_t cell) {
-      double u[8][3];
-      corner_values(mesh.cell_nodes[cell], state.outer.u, u);
-      means[cell] = mean_dilatation(mesh, static_cast<int>(cell), u);
-    });
-    all.push_back(std::move(means));
-  }
-  return all;
-}
-
 }  // namespace
 
 std::vector<std::string> recover_stresses(const ExecSpace& exec, SolvedState& state) {
   state.spr.clear();
   state.sprc.clear();
   for (BodyModel& body : state.bodies) body.cut_cells.gather_moments();
-  state.mean_dilatations = mean_dilatations(state);
   update_links(state);
   std::vector<std::string> warnings;
   std::vector<PatchSet> patches(state.bodies.size());

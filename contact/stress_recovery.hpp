@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Sets SolvedState::mean_dilatations, spr, sprc, faces, recovery_counts and patch_states, and the contact links of the
+/// Sets SolvedState::spr, sprc, faces, recovery_counts and patch_states, and the contact links of the
 /// bodies, from the displacements and forces of the state. Returns warnings. exec: what the problems on the faces run
 /// on.
 std::vector<std::string> recover_stresses(const ExecSpace& exec, SolvedState& state);

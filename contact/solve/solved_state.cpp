@@ -2,6 +2,7 @@
 
 #include "contact/groups/contact_system.hpp"
 #include "core/base/process/parallel.hpp"
+#include "kernels/mesh/mean_dilatation.hpp"
 
 namespace cgcontact {
 namespace {
@@ -24,6 +25,20 @@ void SolvedState::make_system(const ExecSpace& exec) {
   for (BodyModel& body : bodies) body.cut_cells.gather_moments();
   scales = make_scales(scene);
   system = make_contact_system(scene, bodies, supports, pairs, scales, exec);
+}
+
+void SolvedState::take(OuterResult solution) {
+  outer = std::move(solution);
+  mean_dilatations.clear();
+  for (const BodyMesh& mesh : system.meshes) {
+    std::vector<double> means(mesh.law.lambda_of_mean > 0 ? mesh.cell_nodes.size() : 0);
+    parallel_for("cgcontact::solved_state::mean_dilatations", means.size(), grain_of_medium, [&](std::size_t cell) {
+      double u[8][3];
+      corner_values(mesh.cell_nodes[cell], outer.u, u);
+      means[cell] = mean_dilatation(mesh, static_cast<int>(cell), u);
+    });
+    mean_dilatations.push_back(std::move(means));
+  }
 }
 
 void SolvedState::release_assembly_data() {

@@ -22,7 +22,7 @@ struct SolvedState {
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
   ElasticSystem system;
-  OuterResult outer;                 ///< displacements, forces, iterations
+  OuterResult outer;                 ///< displacements, forces, iterations; set by take()
   std::vector<Approach> approaches;  ///< of pairs whose force depends on how stiff the bodies are
   /// By body, of each active cell, per cell unit: enters its stress in nearly incompressible bodies; empty in others.
   std::vector<std::vector<double>> mean_dilatations;
@@ -35,6 +35,8 @@ struct SolvedState {
 
   /// Makes the scales and the system of the present supports and pairs. exec: what makes the rows of the groups.
   void make_system(const ExecSpace& exec);
+  /// Takes a solution over: sets outer and mean_dilatations.
+  void take(OuterResult solution);
   /// Forgets what the fields do not need and the figures have been made of: moments of the cells, points of supports.
   void release_assembly_data();
 };
@@ -48,7 +50,7 @@ inline double force_unit(const SolvedState& state) {
 
 /// Returns m.
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);
-/// Evaluates the stress of the displacements, Pa; SolvedState::mean_dilatations must have been set.
+/// Evaluates the stress of the displacements, Pa.
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi);
 /// Evaluates one of the recovered fields of the body, Pa.
 Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi);

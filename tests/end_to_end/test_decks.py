@@ -209,15 +209,15 @@ class Decks(unittest.TestCase):
         mesh = two_blocks("C3D8", gap=1e-7).text() + MATERIALS
         before = "*BOUNDARY\nLOWZ0, 1, 3\nHIGHZ1, 3, 3, -0.5\n"
         replaced = SURFACES + CONDITIONS.replace("*BOUNDARY\n", "*BOUNDARY, OP=NEW\n").replace("*STEP\n", "*STEP, NLGEOM\n")
-        for interaction, bonded, told in (("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n", True, None),
+        for k, (interaction, bonded, told) in enumerate((("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n", True, None),
                                           ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n", False, None),
                                           ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n5.\n", False, "PRESSURE-OVERCLOSURE=LINEAR"),
-                                          ("*SURFACE BEHAVIOR, NO SEPARATION\n", False, "NO SEPARATION")):
+                                          ("*SURFACE BEHAVIOR, NO SEPARATION\n", False, "NO SEPARATION"))):
             with self.subTest(interaction):
                 text = mesh + "*SURFACE INTERACTION, NAME=HARDCONTACT\n" + interaction + before + replaced
-                outcome = self.init(text.replace("*CONTACT PAIR,", "*CONTACT PAIR, ADJUST=0.1,"), "told")
+                outcome = self.init(text.replace("*CONTACT PAIR,", "*CONTACT PAIR, ADJUST=0.1,"), f"told_{k}")
                 self.assertEqual(outcome.code, 0, outcome.err)
-                scene = pathlib.Path("told.toml").read_text()
+                scene = pathlib.Path(f"told_{k}.toml").read_text()
                 self.assertEqual("bonded = true" in scene, bonded)
                 self.assertNotIn("-0.5", scene)
                 self.assertNotIn("z = -", scene)
