@@ -152,11 +152,11 @@ StencilCoefficients<Real>::StencilCoefficients(const BodyMesh& mesh, double sign
           static_cast<Real>(scale * (4 * stiff[e] / 6 + 2 * a * mass[e] + of_mean(c, {0, e < 2, e % 2 == 0})));
     }
   }
-  const double corner = mixed / 24 + mean / 16;
-  cross_outer = static_cast<Real>(-scale * corner);
-  cross_inner = static_cast<Real>(-scale * (mixed / 6 + mean / 8));
-  cross_x = static_cast<Real>(scale * corner);
-  cross_edge = static_cast<Real>((mixed / 6 + mean / 8) / corner);
+  const double corner = scale * mixed / 24 + scale * mean / 16, edge = scale * mixed / 6 + scale * mean / 8;
+  cross_outer = static_cast<Real>(-corner);
+  cross_inner = static_cast<Real>(-edge);
+  cross_x = static_cast<Real>(corner);
+  cross_edge = static_cast<Real>(edge / corner);
 }
 
 template <class Real>
