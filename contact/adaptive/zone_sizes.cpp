@@ -125,10 +125,12 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
       zone.resolved = verdict.closed_state() == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
       if (!verdict.of_closed) zone.needed = verdict.cell_size_needed;
-      // The overlap of a force: one that the loads do not give is off as far as cells larger than the zone are soft. In
-      // a plane one more grid costs nothing.
+      // The overlap of a force: one that the loads do not give is off as far as cells larger than the zone are soft. Of
+      // bodies of revolution one more grid costs nothing.
+      const bool knows_force =
+          results.pairs[p].force_given_by_loads || !state.bodies[pair.primary].cut_cells.grid.is_axisymmetric();
       if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell &&
-          (results.pairs[p].force_given_by_loads || !state.bodies[pair.primary].cut_cells.grid.is_quadtree()))
+          knows_force)
         narrow_to_overlap(state, p, zone);
       zone.relevant |= !zone.missed.empty();
       continue;

@@ -107,8 +107,8 @@ TEST(PlaneStrain, IsTheSlabBetweenRigidPlanes) {
     // pressures of two problems on the face, a strip and a sum over the twelve nearest periods of the slab, which
     // differ by some 1e-8. The edge of the contact, fitted to the few patches beside it, differs by some 1e-6 of a
     // cell; the stress grows like the root of the distance from there, which is a fifteenth of a cell for the nearest
-    // points: eight times that, of a fifth of the largest stress. Two cells farther away a tenth of it is left (rounding
-    // alone, which moves the fitted edge, makes it 1e-8 or 1.2e-7).
+    // points: eight times that, of a fifth of the largest stress. Two cells farther away a tenth of it is left
+    // (rounding alone, which moves the fitted edge, makes it 1e-8 or 1.2e-7).
     const double allowed[4] = {1e-10, 1e-8, 2e-7, 2e-6};
     for (int kind = 0; kind < 4; ++kind) {
       double size[2] = {0, 0}, left = 0;
