@@ -100,12 +100,14 @@ void run(const Scene& scene) {
   });
   std::vector<double> load;
   phase("load vector", [&] { load = make_load_vector(sim.state.bodies, sim.state.system, sim.state.scales); });
-  phase("(displacement)", [&] { sim.state.outer.u = made_up_displacement(sim); });
-  sim.state.outer.body_motions.resize(sim.state.bodies.size());
   made_up_contact(sim);
-  sim.state.outer.group_force.assign(sim.state.system.group_rows.size(), 0.0);
-  sim.state.outer.support_stress.assign(sim.state.supports.size(), 0.0);
-  sim.state.outer.load_of_body.assign(sim.state.bodies.size(), Vec3::Zero());
+  OuterResult solution;
+  phase("(displacement)", [&] { solution.u = made_up_displacement(sim); });
+  solution.body_motions.resize(sim.state.bodies.size());
+  solution.group_force.assign(sim.state.system.group_rows.size(), 0.0);
+  solution.support_stress.assign(sim.state.supports.size(), 0.0);
+  solution.load_of_body.assign(sim.state.bodies.size(), Vec3::Zero());
+  sim.state.take(std::move(solution));
   phase("boundary stress, 8 updates", [&] {
     for (int i = 0; i < 8; ++i)
       for (BoundaryStress& s : stress) s.update(sim.state.outer.u);
