@@ -109,6 +109,10 @@ constexpr int smooth_rings = 6;
 /// Points of an integral over a patch, by the distance of the ring that it is for.
 constexpr int far_points = 2, near_points = 8;
 
+/// Distance of points, of their ring's diameter, that counts for the same point: what is left of the logarithms there is
+/// their limit up to this.
+constexpr double same_place = 1e-15;
+
 /// Rings of pressure around an axis of revolution.
 struct Rings {
   struct Point {
@@ -142,40 +146,47 @@ struct Rings {
     Kokkos::deep_copy(points, host);
   }
 
-  /// Gives the displacement at x by a ring of unit pressure along the line through y, times pi E*.
+  /// Gives the displacement at x by a ring of unit pressure along the line through y, times pi E* and the radius at x:
+  /// the same for both orders.
   KOKKOS_FUNCTION static double displacement(const Point& x, const Point& y) {
     const double near = x.radius - y.radius, far = x.radius + y.radius, height = x.height - y.height;
     const double longest = far * far + height * height, shortest = near * near + height * height;
-    const double ratio = shortest / longest;
-    return 4 * y.radius / std::sqrt(longest) * elliptic_integral(ratio > 1e-30 ? ratio : 1e-30);
+    const double ratio = shortest / longest, least = same_place * same_place;
+    return 4 * x.radius * y.radius / std::sqrt(longest) * elliptic_integral(ratio > least ? ratio : least);
   }
 
-  /// Integrates the displacement by rings of unit pressure over a patch, times pi E*, m: K(k) grows as the logarithm of
-  /// the distance, which is integrated by itself.
-  KOKKOS_FUNCTION double integral(int at, int from) const {
+  /// Integrates displacement over both patches: K(k) grows as the logarithm of the distance, which is integrated by
+  /// itself over the second one.
+  KOKKOS_FUNCTION double integral(int i, int j) const {
     constexpr double weight[near_points / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
                                                 0.10122853629037626};
-    const Point& x = points(at, 0);
     double sum = 0;
-    if (at - from > smooth_rings || from - at > smooth_rings) {
-      for (int q = 0; q < far_points; ++q) sum += half * displacement(x, points(from, 1 + q));
-      return sum;
+    if (i - j > smooth_rings || j - i > smooth_rings) {
+      for (int p = 0; p < far_points; ++p)
+        for (int q = 0; q < far_points; ++q) sum += displacement(points(i, 1 + p), points(j, 1 + q));
+      return half * half * sum;
     }
-    for (int q = 0; q < near_points; ++q) {
-      const Point& y = points(from, 1 + far_points + q);
-      const double distance = std::abs(x.position - y.position), least = 1e-12 * half;
-      sum += weight[q / 2] * half * (displacement(x, y) + 2 * std::log(distance > least ? distance : least));
+    for (int p = 0; p < near_points; ++p) {
+      const Point& x = points(i, 1 + far_points + p);
+      double over_second = x.radius * strip(x.position - points(j, 0).position, half);
+      for (int q = 0; q < near_points; ++q) {
+        const Point& y = points(j, 1 + far_points + q);
+        const double distance = std::abs(x.position - y.position), least = same_place * (x.radius + y.radius);
+        const double smooth = displacement(x, y) + 2 * x.radius * std::log(distance > least ? distance : least);
+        over_second += weight[q / 2] * half * smooth;
+      }
+      sum += weight[p / 2] * half * over_second;
     }
-    return sum + strip(x.position - points(from, 0).position, half);
+    return sum;
   }
 
   KOKKOS_FUNCTION double ring(int patch) const { return points(patch, 0).radius / unit_radius; }
 
-  /// Gives the work of one ring's pressure on another one, the same as that of the other's on the one's; at centres of
-  /// patches these are equal up to their size only, which conjugate gradients do not bear where a zone is one or two
-  /// patches wide.
+  /// Gives the work of one ring's unit pressure on another one, per width of a patch and unit_radius: over its area, not
+  /// at its middle, so that S p is the mean displacement of a ring; that of a gap that grows as r^2 is the gap at its
+  /// middle and the same constant for all. Symmetric but for the rule's error, of which each order takes half.
   KOKKOS_FUNCTION double work(int i, int j) const {
-    return (ring(i) * integral(i, j) + ring(j) * integral(j, i)) / (2 * pi * modulus);
+    return (integral(i, j) + integral(j, i)) / (4 * half * unit_radius * pi * modulus);
   }
 };
 
