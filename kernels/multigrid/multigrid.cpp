@@ -47,6 +47,7 @@ struct Level {
   std::vector<LevelVector> p, q;  // directions of CG on the level, and the operator applied to them
 
   bool is_worked_on = true;  // the others only pass vectors on
+  int max_steps = 0;         // of flexible CG per visit; 0: a V-cycle
 
   bool is_shared() const { return system->dofs.halo() != nullptr; }
 };
@@ -138,15 +139,20 @@ struct Multigrid::Impl {
   }
 
   /// Bounds the work: each grid that is worked on may be visited `coarse_steps` times as often as the next finer one. A
-  /// grid that mostly repeats those cells and would then cost more than the finest is passed by. Systems small enough
-  /// to be factorised cost nothing.
+  /// grid that mostly repeats those cells and would then cost more than the finest is passed by; in systems small enough
+  /// to be factorised, where launching kernels costs more than their work, visited as often as the finer one.
   void choose_grids() {
     const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
     double visits = steps;
-    for (std::size_t l = 1; most > factorised_unknowns(fine) && l + 1 < levels.size(); ++l) {
-      levels[l]->is_worked_on =
-          visits * levels[l]->whole->num_dofs() <= most || !mostly_repeats(*levels[l - 1]->whole, *levels[l]->whole);
-      if (levels[l]->is_worked_on) visits *= steps;
+    for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
+      Level& level = *levels[l];
+      level.max_steps = settings.coarse_steps;
+      if (visits * level.whole->num_dofs() <= most || !mostly_repeats(*levels[l - 1]->whole, *level.whole))
+        visits *= steps;
+      else if (most > factorised_unknowns(fine))
+        level.is_worked_on = false;
+      else
+        level.max_steps = std::min(settings.coarse_steps, 1);
     }
   }
 
@@ -200,7 +206,7 @@ struct Multigrid::Impl {
     const int n = system.num_dofs();
     level.op = std::make_unique<FastOperator<Real>>(system);
     level.d = LevelVector("cgcontact::multigrid::d", n);
-    for (int k = 0; k < settings.coarse_steps && level.whole != &fine; ++k) {
+    for (int k = 0; k < level.max_steps && level.whole != &fine; ++k) {
       level.p.emplace_back("cgcontact::multigrid::p", n);
       level.q.emplace_back("cgcontact::multigrid::q", n);
     }
@@ -354,10 +360,10 @@ struct Multigrid::Impl {
   /// products.
   void solve_coarse(std::size_t l) const {
     const Level& level = *levels[l];
-    if (l + 1 == levels.size() || settings.coarse_steps == 0 || !level.is_worked_on) return cycle(l);
+    if (l + 1 == levels.size() || level.max_steps == 0 || !level.is_worked_on) return cycle(l);
     double enough = 0;
     std::vector<double> step, energy;
-    for (int k = 0; k < settings.coarse_steps; ++k) {
+    for (int k = 0; k < level.max_steps; ++k) {
       cycle(l);
       for (int j = 0; j < k; ++j) add(-product(level, level.x, level.q[j]) / energy[j], level.p[j], level.x);
       Kokkos::deep_copy(exec, level.p[k], level.x);
@@ -368,7 +374,7 @@ struct Multigrid::Impl {
       energy.push_back(pq);
       if (!(pq > 0)) break;  // b is zero to rounding
       step.push_back(pb / pq);
-      if (k + 1 == settings.coarse_steps || bb + step[k] * (step[k] * qq - 2 * bq) <= enough) break;
+      if (k + 1 == level.max_steps || bb + step[k] * (step[k] * qq - 2 * bq) <= enough) break;
       add(-step[k], q, b);
     }
     Kokkos::deep_copy(exec, level.x, Real(0));
