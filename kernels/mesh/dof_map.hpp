@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "kernels/mesh/dofs.hpp"
+#include "kernels/mesh/launch.hpp"
 #include "kernels/mesh/views.hpp"
 
 namespace cgcontact {
@@ -88,8 +89,8 @@ class DofMap {
 template <class Exec, class X>
 void set_to_zero(const Exec& exec, const IntView& dofs, const X& x) {
   if (dofs.extent(0) == 0) return;
-  Kokkos::parallel_for(
-      "cgcontact::dof_map::zero_dofs", Kokkos::RangePolicy<Exec>(exec, 0, dofs.extent(0)),
+  launch(
+      "cgcontact::dof_map::zero_dofs", Kokkos::RangePolicy<Exec>(exec, 0, dofs.extent(0)), grain_of_light,
       KOKKOS_LAMBDA(const int i) { x(dofs(i)) = 0; });
 }
 
@@ -104,16 +105,16 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
   set_to_zero(exec, dofs.zero_dofs(), x);
   const AcrossNodesView across_nodes = dofs.across_nodes();
   if (across_nodes.extent(0) > 0)
-    Kokkos::parallel_for(
-        "cgcontact::dof_map::across_nodes", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)),
+    launch(
+        "cgcontact::dof_map::across_nodes", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)), grain_of_light,
         KOKKOS_LAMBDA(const int t) {
           for (int i = 0; i < dofs_per_node; ++i) x(dof_of(across_nodes(t, 1), i)) = x(dof_of(across_nodes(t, 0), i));
         });
   const ConstraintRows rows = dofs.sums();
   if (rows.num_nodes() == 0) return;
   using Real = typename X::non_const_value_type;
-  Kokkos::parallel_for(
-      "cgcontact::dof_map::constraints", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_nodes()),
+  launch(
+      "cgcontact::dof_map::constraints", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_nodes()), grain_of_medium,
       KOKKOS_LAMBDA(const int c) {
         Real sum[dofs_per_node] = {};
         const int end = rows.begin(c + 1);
@@ -132,8 +133,9 @@ template <class Exec, class Y>
 void zero_others(const Exec& exec, const DofMap& dofs, const Y& y) {
   if (!dofs.halo()) return;
   const IntView others = nodes_of_others(*dofs.halo());
-  Kokkos::parallel_for(
-      "cgcontact::dof_map::others", Kokkos::RangePolicy<Exec>(exec, 0, others.extent(0)), KOKKOS_LAMBDA(const int n) {
+  launch(
+      "cgcontact::dof_map::others", Kokkos::RangePolicy<Exec>(exec, 0, others.extent(0)), grain_of_light,
+      KOKKOS_LAMBDA(const int n) {
         for (int i = 0; i < dofs_per_node; ++i) y(dof_of(others(n), i)) = 0;
       });
 }
@@ -144,9 +146,9 @@ template <class Exec, class Y>
 void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y& y) {
   const AcrossNodesView across_nodes = dofs.across_nodes();
   if (across_nodes.extent(0) > 0)
-    Kokkos::parallel_for(
+    launch(
         "cgcontact::dof_map::across_nodes_transposed", Kokkos::RangePolicy<Exec>(exec, 0, across_nodes.extent(0)),
-        KOKKOS_LAMBDA(const int t) {
+        grain_of_light, KOKKOS_LAMBDA(const int t) {
           for (int i = 0; i < dofs_per_node; ++i) {
             y(dof_of(across_nodes(t, 0), i)) += y(dof_of(across_nodes(t, 1), i));
             y(dof_of(across_nodes(t, 1), i)) = 0;
@@ -158,9 +160,9 @@ void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y&
     return set_to_zero(exec, dofs.zero_dofs(), y);
   }
   using Real = typename Y::non_const_value_type;
-  Kokkos::parallel_for(
+  launch(
       "cgcontact::dof_map::constraints_transposed", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_masters()),
-      KOKKOS_LAMBDA(const int m) {
+      grain_of_medium, KOKKOS_LAMBDA(const int m) {
         const int node = rows.master_node(m), end = rows.master_begin(m + 1);
         Real sum[dofs_per_node];
         for (int i = 0; i < dofs_per_node; ++i) sum[i] = y(dof_of(node, i));
@@ -171,8 +173,8 @@ void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y&
         }
         for (int i = 0; i < dofs_per_node; ++i) y(dof_of(node, i)) = sum[i];
       });
-  Kokkos::parallel_for(
-      "cgcontact::dof_map::constrained_to_zero", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_nodes()),
+  launch(
+      "cgcontact::dof_map::constrained_to_zero", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_nodes()), grain_of_light,
       KOKKOS_LAMBDA(const int c) {
         for (int i = 0; i < dofs_per_node; ++i) y(dof_of(rows.node(c), i)) = 0;
       });

@@ -3,6 +3,8 @@
 
 #include <Kokkos_Core.hpp>
 
+#include "kernels/mesh/launch.hpp"
+
 namespace cgcontact {
 
 /// Sums x(i) y(i), in double precision, over all entries of two views of the same length that `exec` reaches. Blocks of
@@ -14,8 +16,8 @@ double dot(const Exec& exec, const X& x, const Y& y) {
   const int n = static_cast<int>(x.extent(0)), num_blocks = (n + block - 1) / block;
   const Kokkos::View<double*, typename Exec::memory_space> sums(
       Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::dot"), num_blocks);
-  Kokkos::parallel_for(
-      "cgcontact::dot", Kokkos::RangePolicy<Exec>(exec, 0, num_blocks), KOKKOS_LAMBDA(const int b) {
+  launch(
+      "cgcontact::dot", Kokkos::RangePolicy<Exec>(exec, 0, num_blocks), 1, KOKKOS_LAMBDA(const int b) {
         double lane_sums[lanes] = {}, sum = 0;
         const int end = n < (b + 1) * block ? n : (b + 1) * block;
         int i = b * block;

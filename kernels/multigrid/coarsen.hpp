@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/mesh/launch.hpp"
 #include "kernels/operator/system.hpp"
 
 namespace cgcontact {
@@ -105,8 +106,8 @@ class RowCoarsening {
 template <bool add, class Exec, class X, class Y>
 void apply_transfer_rows(const Exec& exec, const Transfer::Rows& rows, const X& x, const Y& y) {
   using Real = typename Y::non_const_value_type;
-  Kokkos::parallel_for(
-      "cgcontact::coarsen::rows", Kokkos::RangePolicy<Exec>(exec, 0, rows.begin.extent(0) - 1),
+  launch(
+      "cgcontact::coarsen::rows", Kokkos::RangePolicy<Exec>(exec, 0, rows.begin.extent(0) - 1), grain_of_medium,
       KOKKOS_LAMBDA(const int n) {
         Real sum[3] = {0, 0, 0};
         for (int e = rows.begin(n); e < rows.begin(n + 1); ++e)
@@ -126,8 +127,8 @@ void prolongate_add(const Exec& exec, const Transfer& transfer, const DofMap& fi
     return;
   }
   const auto parents = transfer.parents;
-  Kokkos::parallel_for(
-      "cgcontact::coarsen::prolongate", Kokkos::RangePolicy<Exec>(exec, 0, parents.extent(0)),
+  launch(
+      "cgcontact::coarsen::prolongate", Kokkos::RangePolicy<Exec>(exec, 0, parents.extent(0)), grain_of_medium,
       KOKKOS_LAMBDA(const int n) {
         Real sum[3] = {0, 0, 0};
         if (parents(n, 0) < 0) return;
@@ -151,8 +152,8 @@ void restrict_to(const Exec& exec, const Transfer& transfer, const DofMap& coars
     return;
   }
   const auto children = transfer.children;
-  Kokkos::parallel_for(
-      "cgcontact::coarsen::restrict", Kokkos::RangePolicy<Exec>(exec, 0, children.extent(0)),
+  launch(
+      "cgcontact::coarsen::restrict", Kokkos::RangePolicy<Exec>(exec, 0, children.extent(0)), grain_of_medium,
       KOKKOS_LAMBDA(const int n) {
         Real sum[3] = {0, 0, 0};
         const Real weight[3] = {Real(0.5), Real(1), Real(0.5)};

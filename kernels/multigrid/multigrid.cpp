@@ -9,6 +9,7 @@
 #include "core/base/process/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/mesh/dot.hpp"
+#include "kernels/mesh/launch.hpp"
 #include "kernels/multigrid/coarsen.hpp"
 #include "kernels/multigrid/rank_levels.hpp"
 #include "kernels/multigrid/smoother.hpp"
@@ -139,8 +140,8 @@ struct Multigrid::Impl {
   }
 
   /// Bounds the work: each grid that is worked on may be visited `coarse_steps` times as often as the next finer one. A
-  /// grid that mostly repeats those cells and would then cost more than the finest is passed by; in systems small enough
-  /// to be factorised, where launching kernels costs more than their work, visited as often as the finer one.
+  /// grid that mostly repeats those cells and would then cost more than the finest is passed by; in systems small
+  /// enough to be factorised, where launching kernels costs more than their work, visited as often as the finer one.
   void choose_grids() {
     const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
     double visits = steps;
@@ -294,14 +295,14 @@ struct Multigrid::Impl {
       if (k > 0) beta.push_back(next / rz);
       const Real b = k > 0 ? static_cast<Real>(next / rz) : Real(0);
       rz = next;
-      Kokkos::parallel_for(
-          "cgcontact::multigrid::direction", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+      launch(
+          "cgcontact::multigrid::direction", Kokkos::RangePolicy<ExecSpace>(exec, 0, n), grain_of_light,
           KOKKOS_LAMBDA(const int i) { p(i) = z(i) + (b != 0 ? b * p(i) : Real(0)); });
       level.op->apply(exec, p, q);
       alpha.push_back(rz / product(level, p, q));
       const Real a = static_cast<Real>(alpha.back());
-      Kokkos::parallel_for(
-          "cgcontact::multigrid::residual", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+      launch(
+          "cgcontact::multigrid::residual", Kokkos::RangePolicy<ExecSpace>(exec, 0, n), grain_of_light,
           KOKKOS_LAMBDA(const int i) { r(i) -= a * q(i); });
     }
     Eigen::MatrixXd T = Eigen::MatrixXd::Zero(lanczos_steps, lanczos_steps);
@@ -350,9 +351,9 @@ struct Multigrid::Impl {
   /// y += a x.
   void add(double a, const LevelVector& x, const LevelVector& y) const {
     const Real factor = static_cast<Real>(a);
-    Kokkos::parallel_for(
+    launch(
         "cgcontact::multigrid::add", Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(x.extent(0))),
-        KOKKOS_LAMBDA(const int i) { y(i) += factor * x(i); });
+        grain_of_light, KOKKOS_LAMBDA(const int i) { y(i) += factor * x(i); });
   }
 
   /// Computes an approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there
@@ -432,12 +433,12 @@ void Multigrid::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, 
   if (level.is_shared()) largest = largest_over_ranks(largest);
   const double scale = largest > 0 ? largest : 1.0;
   const auto b = level.b, x = level.x;
-  Kokkos::parallel_for(
-      "cgcontact::multigrid::in", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+  launch(
+      "cgcontact::multigrid::in", Kokkos::RangePolicy<ExecSpace>(exec, 0, n), grain_of_light,
       KOKKOS_LAMBDA(const int i) { b(i) = static_cast<Real>(r(i) / scale); });
   impl_->cycle(0);
-  Kokkos::parallel_for(
-      "cgcontact::multigrid::out", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+  launch(
+      "cgcontact::multigrid::out", Kokkos::RangePolicy<ExecSpace>(exec, 0, n), grain_of_light,
       KOKKOS_LAMBDA(const int i) { z(i) = scale * x(i); });
   apply_constraints(exec, level.system->dofs, z);  // again, to the precision of CG
   exec.fence();

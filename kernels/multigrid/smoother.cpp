@@ -8,6 +8,7 @@
 #include "core/base/numbers/decompositions.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
+#include "kernels/mesh/launch.hpp"
 #include "kernels/multigrid/surface_rows.hpp"
 
 namespace cgcontact {
@@ -288,8 +289,9 @@ void SurfaceSmoother<Real>::multiply_rows(const ExecSpace& exec, const Vector& r
   const auto row_begin = row_begin_, row_node = row_node_;
   const auto w = row_w_;
   const auto surface = surface_;
-  Kokkos::parallel_for(
-      "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows_), KOKKOS_LAMBDA(const int k) {
+  launch(
+      "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows_), grain_of_medium,
+      KOKKOS_LAMBDA(const int k) {
         Real sum = 0;
         for (int e = row_begin(k); e < row_begin(k + 1); ++e)
           for (int i = 0; i < 3; ++i) sum += w(e, i) * r(dof_of(row_node(e), i));
@@ -310,11 +312,11 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
   const auto run = run_;
   const auto run_inverse = run_inverse_;
   const auto inverse = inverse_;
-  Kokkos::parallel_for(
+  launch(
       "cgcontact::smoother::nodes",
       Kokkos::RangePolicy<ExecSpace, Kokkos::Schedule<Kokkos::Dynamic>>(exec, 0, num_runs + columns.num_columns(),
                                                                         Kokkos::ChunkSize(items_at_once)),
-      KOKKOS_LAMBDA(const int k) {
+      grain_of_heavy, KOKKOS_LAMBDA(const int k) {
         if (k >= num_runs) {
           const int c = k - num_runs;
           switch (columns.columns(c).size) {
@@ -357,8 +359,8 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
   const auto surface = surface_;
   const auto touched = touched_, node_begin = node_begin_, node_row = node_row_;
   const auto w = node_w_;
-  Kokkos::parallel_for(
-      "cgcontact::smoother::touched", Kokkos::RangePolicy<ExecSpace>(exec, 0, touched.extent(0)),
+  launch(
+      "cgcontact::smoother::touched", Kokkos::RangePolicy<ExecSpace>(exec, 0, touched.extent(0)), grain_of_medium,
       KOKKOS_LAMBDA(const int t) {
         for (int i = 0; i < 3; ++i) {
           Real z = 0;

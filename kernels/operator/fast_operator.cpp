@@ -6,6 +6,7 @@
 #include "core/base/process/parallel.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
+#include "kernels/mesh/launch.hpp"
 #include "kernels/mesh/row_sums.hpp"
 
 namespace cgcontact {
@@ -157,9 +158,10 @@ void FastOperator<Real>::stencil(const ExecSpace& exec, const Real* x, const Rea
   const auto rings = rings_;
   const int num_tiles = tiles.num_tiles(), num_ranges = static_cast<int>(ranges.extent(0));
   const Kokkos::Experimental::UniqueToken<ExecSpace> token;
-  Kokkos::parallel_for(
+  launch(
       "cgcontact::fast_operator::stencil",
-      one_by_one(exec, num_tiles + (num_ranges + ranges_at_once - 1) / ranges_at_once), KOKKOS_LAMBDA(const int t) {
+      one_by_one(exec, num_tiles + (num_ranges + ranges_at_once - 1) / ranges_at_once), num_nodes_, grain_of_light,
+      KOKKOS_LAMBDA(const int t) {
         if (t < num_tiles) {
           const int thread = token.acquire();
           stencil::apply_tile<subtract>(tiles, t, x, base, y, &rings(thread, 0));
@@ -183,9 +185,9 @@ void FastOperator<Real>::band(const ExecSpace& exec, const Real* x, Real* y, boo
   if (cells.num_cut + cells.num_full == 0) return;
   for (int colour = 0; colour < 2; ++colour) {
     const IntView slabs = slabs_[colour];
-    Kokkos::parallel_for(
+    launch(
         "cgcontact::fast_operator::band", one_by_one(exec, static_cast<int>(slabs.extent(0))),
-        KOKKOS_LAMBDA(const int s) {
+        cells.num_cut + cells.num_full, grain_of_medium, KOKKOS_LAMBDA(const int s) {
           if (with_cells) band::apply_chunk<subtract>(cells, slabs(s), x, y);
           if (with_ghosts) ghost::apply_chunk<subtract>(ghosts, slabs(s), x, y);
         });
@@ -196,9 +198,10 @@ template <class Real>
 void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const {
   const Groups r = groups_;
   if (r.stiffness.extent(0) == 0) return;
-  Kokkos::parallel_for(
+  launch(
       "cgcontact::fast_operator::group_gaps",
-      Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(r.stiffness.extent(0))), KOKKOS_LAMBDA(const int g) {
+      Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(r.stiffness.extent(0))), grain_of_medium,
+      KOKKOS_LAMBDA(const int g) {
         Real gap = 0;
         if (r.stiffness(g) != 0)
           for (int e = r.row_begin(g); e < r.row_begin(g + 1); ++e) gap += r.row_value(e) * x[r.row_dof(e)];
@@ -206,8 +209,8 @@ void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, R
       });
   if (group_sums_) group_sums_->sum(exec, r.scratch.data());
   const int num_dofs = static_cast<int>(r.dof_list.extent(0));
-  Kokkos::parallel_for(
-      "cgcontact::fast_operator::group_forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_dofs),
+  launch(
+      "cgcontact::fast_operator::group_forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_dofs), grain_of_light,
       KOKKOS_LAMBDA(const int d) {
         Real force = 0;
         for (int e = r.dof_begin(d); e < r.dof_begin(d + 1); ++e)

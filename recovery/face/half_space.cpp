@@ -109,8 +109,8 @@ constexpr int smooth_rings = 6;
 /// Points of an integral over a patch, by the distance of the ring that it is for.
 constexpr int far_points = 2, near_points = 8;
 
-/// Distance of points, of their ring's diameter, that counts for the same point: what is left of the logarithms there is
-/// their limit up to this.
+/// Distance of points, of their ring's diameter, that counts for the same point: what is left of the logarithms there
+/// is their limit up to this.
 constexpr double same_place = 1e-15;
 
 /// Rings of pressure around an axis of revolution.
@@ -182,9 +182,9 @@ struct Rings {
 
   KOKKOS_FUNCTION double ring(int patch) const { return points(patch, 0).radius / unit_radius; }
 
-  /// Gives the work of one ring's unit pressure on another one, per width of a patch and unit_radius: over its area, not
-  /// at its middle, so that S p is the mean displacement of a ring; that of a gap that grows as r^2 is the gap at its
-  /// middle and the same constant for all. Symmetric but for the rule's error, of which each order takes half.
+  /// Gives the work of one ring's unit pressure on another one, per width of a patch and unit_radius: over its area,
+  /// not at its middle, so that S p is the mean displacement of a ring; that of a gap that grows as r^2 is the gap at
+  /// its middle and the same constant for all. Symmetric but for the rule's error, of which each order takes half.
   KOKKOS_FUNCTION double work(int i, int j) const {
     return (integral(i, j) + integral(j, i)) / (4 * half * unit_radius * pi * modulus);
   }
