@@ -17,8 +17,10 @@ function label(text, x, kind) {
   const wide = 3.6 * text.length + 6;  // half of it
   if (kind === "middle" && plates.some((p) => Math.abs(p.left - left) < p.wide + wide && Math.abs(p.top - top) < 22))
     return;
-  // So far to the side that the whole text is seen.
-  const aside = kind === "middle" ? 0 : Math.max(0, wide - left) - Math.max(0, left + wide - canvas.clientWidth);
+  // So far to the side that the whole text is seen, beside the bar of colours.
+  const bar = find("bar");
+  const end = top < bar.offsetTop + bar.offsetHeight + 11 && bar.offsetWidth ? bar.offsetLeft : canvas.clientWidth;
+  const aside = kind === "middle" ? 0 : Math.max(0, wide - left) - Math.max(0, left + wide - end);
   plates.push({left: left + aside, top, wide});
   const plate = document.createElement("div");
   plate.className = "view-label " + (kind || "");
