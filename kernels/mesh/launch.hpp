@@ -11,7 +11,8 @@ namespace cgcontact {
 
 /// Dispatches a kernel over a range. Where its `items` are no more than one chunk of a host loop (`grain`:
 /// parallel.hpp), the calling thread runs it, as a labelled dispatch as well: waking others takes longer than the work
-/// (docs/performance.md, "Threads"). Results do not depend on which. On devices all kernels are the device's.
+/// (docs/performance.md, "Two threads against one"). Results do not depend on which. On devices all kernels are the
+/// device's.
 template <class Policy, class Body>
 void launch(const char* label, const Policy& policy, std::size_t items, std::size_t grain, const Body& body) {
 #if defined(KOKKOS_ENABLE_OPENMP) && defined(KOKKOS_ENABLE_SERIAL)
