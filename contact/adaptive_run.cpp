@@ -8,6 +8,7 @@
 
 #include "contact/checks/memory.hpp"
 #include "contact/results/estimates/peak_estimate.hpp"
+#include "contact/results/figures/holding.hpp"
 #include "contact/results/verdict/small_strain.hpp"
 #include "core/base/files/text.hpp"
 #include "core/base/process/ranks.hpp"
@@ -374,7 +375,8 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
     zones_ = zone_states(state, results);
     search_ = seconds() - search_;
     solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
-    const DisplacementState displacements{named_displacements(state), results.estimated_error_relative};
+    const DisplacementState displacements{named_displacements(state), results.estimated_error_relative,
+                                          held_force_fraction(state, results.balance)};
     displacement_errors_ = displacement_errors(displacements, displacements_);
     displacements_ = displacements;
     for (const double e : displacement_errors_)

@@ -83,6 +83,7 @@ std::vector<double> displacement_errors(const DisplacementState& now, const Disp
     const double size = now.values[k].norm(), change = (now.values[k] - before.values[k]).norm();
     if (size > 0) errors[k] = std::max(errors[k], change / size * left / (1 - left));
   }
+  for (double& error : errors) error += now.held;
   return errors;
 }
 

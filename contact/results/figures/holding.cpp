@@ -75,6 +75,16 @@ double held_fraction(const SolvedState& state, const ContactPair& pair) {
   return std::max(held_fraction(state, pair.primary), held_fraction(state, pair.secondary));
 }
 
+double held_force_fraction(const SolvedState& state, const std::vector<BodyBalance>& balance) {
+  double most = 0;
+  for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
+    const double contact = largest_contact(state, b);
+    if (contact > 0)
+      most = std::max(most, std::abs(holding_force(state, b).dot(balance[b].contact.stableNormalized())) / contact);
+  }
+  return most;
+}
+
 std::string surface_hold_warning(const SolvedState& state) {
   std::set<int> held;
   for (const SupportPoint& p : state.supports)

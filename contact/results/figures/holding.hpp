@@ -19,6 +19,9 @@ Vec3 holding_force(const SolvedState& state, int body);
 double held_fraction(const SolvedState& state, int body);
 /// Returns the larger one of the two bodies of a pair.
 double held_fraction(const SolvedState& state, const ContactPair& pair);
+/// Returns the largest part, among the bodies, of what contact passes on that a holding takes: its force along the
+/// resultant of the contact forces on a body, of the largest one. By so much displacements may be wrong.
+double held_force_fraction(const SolvedState& state, const std::vector<BodyBalance>& balance);
 
 /// Warns of bodies that are held along surfaces, with the force that it takes. Empty: none are.
 std::string surface_hold_warning(const SolvedState& state);

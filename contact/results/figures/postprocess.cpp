@@ -146,7 +146,8 @@ void estimate_energy_errors(const SolvedState& state, Results& results) {
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);
   results.estimated_error_relative = std::sqrt(std::max(error, 0.0) / std::max(solution, 1e-300));
-  results.displacement_error_estimate = displacement_estimate(results.estimated_error_relative);
+  results.displacement_error_estimate =
+      displacement_estimate(results.estimated_error_relative) + held_force_fraction(state, results.balance);
   if (!reference.stress_of_body.empty() && exact_error > 0) {
     results.has_effectivity = true;
     results.exact_error = std::sqrt(exact_error * energy);

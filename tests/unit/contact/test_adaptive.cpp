@@ -247,7 +247,7 @@ TEST(ZoneSizes, OfTheNextGridFollowErrorOrWidth) {
 }
 
 /// Twice the square of the energy norm's error; against a solve with twice that error, whose own is four times as
-/// large, a third of the change. Where errors hardly fall the change counts three times.
+/// large, a third of the change. Where errors hardly fall the change counts three times. What holdings take is added.
 TEST(DisplacementErrors, FollowTheEnergyNormAndTheChange) {
   const DisplacementState none, before{{Vec3(0, 0.7, 0), Vec3(0, 0, 1), Vec3::Zero()}, 0.2},
       now{{Vec3(0, 1, 0), Vec3(0, 0, 1.001), Vec3::Zero()}, 0.1}, no_better{before.values, 0.1};
@@ -258,6 +258,9 @@ TEST(DisplacementErrors, FollowTheEnergyNormAndTheChange) {
   EXPECT_NEAR(compared[1], 0.02, 1e-15) << "the change is less";
   EXPECT_NEAR(compared[2], 0.02, 1e-15) << "no displacement has no relative change";
   EXPECT_NEAR(displacement_errors(now, no_better)[0], 0.9, 1e-14);
+  DisplacementState held = now;
+  held.held = 0.023;
+  EXPECT_NEAR(displacement_errors(held, before)[0], 0.123, 1e-15);
 }
 
 /// A bar under tension p: the mean over its end, and the largest displacement, at a corner of the end, which no
