@@ -155,8 +155,14 @@ struct Rings {
     return 4 * x.radius * y.radius / std::sqrt(longest) * elliptic_integral(ratio > least ? ratio : least);
   }
 
-  /// Integrates displacement over both patches: K(k) grows as the logarithm of the distance, which is integrated by
-  /// itself over the second one.
+  /// Integrates ln|x - y| over two patches, m^2, their middles this far apart.
+  KOKKOS_FUNCTION double integral_of_logarithm(double apart) const {
+    const auto f = [](double t) { return t == 0 ? 0.0 : 0.5 * t * t * (std::log(std::abs(t)) - 1.5); };
+    return f(apart + 2 * half) - 2 * f(apart) + f(apart - 2 * half);
+  }
+
+  /// Integrates displacement over both patches. It grows as the sum of the radii times the logarithm of the distance,
+  /// which is integrated by itself: as if the radii were those of the middles, as their slopes cancel.
   KOKKOS_FUNCTION double integral(int i, int j) const {
     constexpr double weight[near_points / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
                                                 0.10122853629037626};
@@ -166,28 +172,23 @@ struct Rings {
         for (int q = 0; q < far_points; ++q) sum += displacement(points(i, 1 + p), points(j, 1 + q));
       return half * half * sum;
     }
-    for (int p = 0; p < near_points; ++p) {
-      const Point& x = points(i, 1 + far_points + p);
-      double over_second = x.radius * strip(x.position - points(j, 0).position, half);
+    for (int p = 0; p < near_points; ++p)
       for (int q = 0; q < near_points; ++q) {
-        const Point& y = points(j, 1 + far_points + q);
-        const double distance = std::abs(x.position - y.position), least = same_place * (x.radius + y.radius);
-        const double smooth = displacement(x, y) + 2 * x.radius * std::log(distance > least ? distance : least);
-        over_second += weight[q / 2] * half * smooth;
+        const Point &x = points(i, 1 + far_points + p), &y = points(j, 1 + far_points + q);
+        const double distance = std::abs(x.position - y.position), radii = x.radius + y.radius;
+        const double least = same_place * radii, logarithm = std::log(distance > least ? distance : least);
+        sum += weight[p / 2] * weight[q / 2] * half * half * (displacement(x, y) + radii * logarithm);
       }
-      sum += weight[p / 2] * half * over_second;
-    }
-    return sum;
+    const Point &x = points(i, 0), &y = points(j, 0);
+    return sum - (x.radius + y.radius) * integral_of_logarithm(x.position - y.position);
   }
 
   KOKKOS_FUNCTION double ring(int patch) const { return points(patch, 0).radius / unit_radius; }
 
   /// Gives the work of one ring's unit pressure on another one, per width of a patch and unit_radius: over its area,
   /// not at its middle, so that S p is the mean displacement of a ring; that of a gap that grows as r^2 is the gap at
-  /// its middle and the same constant for all. Symmetric but for the rule's error, of which each order takes half.
-  KOKKOS_FUNCTION double work(int i, int j) const {
-    return (integral(i, j) + integral(j, i)) / (4 * half * unit_radius * pi * modulus);
-  }
+  /// its middle and the same constant for all.
+  KOKKOS_FUNCTION double work(int i, int j) const { return integral(i, j) / (2 * half * unit_radius * pi * modulus); }
 };
 
 HalfSpace::Patches array(const char* label, int rows, int columns) {

@@ -1,8 +1,10 @@
 /// The pressure on patches against Hertz's solutions, and the half-space's compliance against integrals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/quadrature/gauss_rules.hpp"
 #include "recovery/face/face_problem.hpp"
 #include "tests/support/execution_spaces.hpp"
 
@@ -260,44 +262,46 @@ FaceGrid grid_of_rings(double from, double slope, int patches) {
   return grid;
 }
 
-/// Integrates the displacement at a position by rings of unit pressure over a patch, E* = 2: many points, more of them
-/// towards the logarithm at the position, or at the end next to it.
+/// Integrates a function over (0, 1) by Gauss' rule of n points.
+template <class Function>
+double integral_of_unit(int n, const Function& f) {
+  const GaussRule& gauss = gauss_rule(n);
+  double sum = 0;
+  for (int k = 0; k < n; ++k) sum += gauss.weight[k] * f(gauss.node[k]);
+  return sum;
+}
+
+/// Integrates the displacement at a position by rings of unit pressure over a patch, E* = 2: more points towards the
+/// logarithm at the position, or at the end next to it.
 double integral_of_rings(const FaceGrid& grid, double position, int from) {
   const FacePosition x = grid.meridian->at(position);
   const double lower = grid.centre(from)[1] - 0.5 * grid.spacing[1], upper = lower + grid.spacing[1];
   const double nearest = std::clamp(position, lower, upper);
-  const int n = 120;
   double sum = 0;
   for (const double end : {lower, upper})
-    for (int k = 0; k < n; ++k) {
-      const double t = (k + 0.5) / n;
+    sum += integral_of_unit(24, [&](double t) {
       const FacePosition y = grid.meridian->at(nearest + (end - nearest) * t * t * t);
-      const double longest = std::hypot(x[0] + y[0], x[1] - y[1]);
-      double a = longest, b = (x - y).norm();  // K(k) by their arithmetic-geometric mean
+      double a = std::hypot(x[0] + y[0], x[1] - y[1]), b = (x - y).norm();  // K(k) by their arithmetic-geometric mean
       for (int step = 0; step < 8; ++step) {
         const double mean = (a + b) / 2;
         b = std::sqrt(a * b);
         a = mean;
       }
-      sum += 3 * std::abs(end - nearest) * t * t / n * 2 * pi * y[0] / a;
-    }
-  return sum / (2 * pi);
+      return 3 * std::abs(end - nearest) * t * t * y[0] / a;
+    });
+  return sum;
 }
 
-/// Means that displacement over the area of a patch: many points, more of them towards its ends, where its slope has a
-/// logarithm.
+/// Means that displacement over the area of a patch: more points towards its ends, where its slope has a logarithm.
 double mean_of_rings(const FaceGrid& grid, int at, int from) {
   const double middle = grid.centre(at)[1], half = 0.5 * grid.spacing[1];
-  const int n = 32;
-  double sum = 0, area = 0;
+  double sum = 0;
   for (const int side : {-1, 1})
-    for (int k = 0; k < n; ++k) {
-      const double t = (k + 0.5) / n, position = middle + side * half * (1 - t * t);
-      const double weight = t * grid.meridian->at(position)[0];
-      sum += weight * integral_of_rings(grid, position, from);
-      area += weight;
-    }
-  return sum / area;
+    sum += integral_of_unit(12, [&](double t) {
+      const double position = middle + side * half * (1 - t * t);
+      return t * grid.meridian->at(position)[0] * integral_of_rings(grid, position, from);
+    });
+  return sum / grid.meridian->at(middle)[0];
 }
 
 template <class Exec>
@@ -305,7 +309,7 @@ class HalfSpaces : public testing::Test {};
 TYPED_TEST_SUITE(HalfSpaces, ExecutionSpaces);
 
 /// The product is the plain sum of means over rings near and far, on a plane and on cones, whose line reaches the axis
-/// or not; eight points integrate functions whose slope has a logarithm at a patch's ends to 1.3e-4.
+/// or not: measured 3e-7, and 6e-5 where the line reaches it, as the other side of a ring there is near.
 TYPED_TEST(HalfSpaces, Rings) {
   const TypeParam exec;
   for (const double from : {0.0, 0.4})
@@ -326,7 +330,7 @@ TYPED_TEST(HalfSpaces, Rings) {
           sum += influence * host(0, j);
           largest = std::max(largest, influence);
         }
-        EXPECT_NEAR(found(0, i), sum, 2e-4 * largest) << from << " " << slope << " " << i;
+        EXPECT_NEAR(found(0, i), sum, (from > 0 ? 1e-6 : 1e-4) * largest) << from << " " << slope << " " << i;
       }
     }
 }
