@@ -39,6 +39,7 @@
 #include "core/output/report/output_page.hpp"
 #include "core/output/view/output_view.hpp"
 #include "core/program/interruption.hpp"
+#include "core/program/scratch_folder.hpp"
 
 namespace cgcontact {
 
@@ -145,36 +146,17 @@ void remove_remains(const fs::path& target) {
 /// The directory everything is written to first; removed with its contents unless it has been moved away.
 class TemporaryDirectory {
  public:
-  explicit TemporaryDirectory(const fs::path& target)
-      : path_(temporary_name(target)), clean_up_(std::in_place, [this] { remove(); }) {
-    std::error_code error;
-    fs::create_directories(target.parent_path(), error);
-    remove();
-    error.clear();
-    fs::create_directory(path_, error);
-    if (error) throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.message()));
-    lock_.emplace(path_);
+  explicit TemporaryDirectory(const fs::path& target) try : folder_(temporary_name(target)), lock_(folder_.path()) {
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));
   }
-  ~TemporaryDirectory() {
-    clean_up_.reset();
-    remove();
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
 
-  const fs::path& path() const { return path_; }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  const fs::path& path() const { return folder_.path(); }
+  std::string file(const std::string& name) const { return (path() / name).string(); }
 
  private:
-  /// Other threads may be writing to it.
-  void remove() const {
-    std::error_code error;
-    for (int attempt = 0; attempt < 10 && fs::exists(path_, error); ++attempt) fs::remove_all(path_, error);
-  }
-
-  fs::path path_;
-  std::optional<CleanUp> clean_up_;
-  std::optional<DirectoryLock> lock_;
+  const ScratchFolder folder_;
+  const DirectoryLock lock_;
 };
 
 /// Exchanges two directories in one step where the file system can, else in two.
@@ -338,10 +320,12 @@ void check_output_directory(const std::string& directory) try {
   fs::path existing = target.parent_path();
   while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
   const fs::path probe = temporary_name(existing / target.filename());
-  if (mkdir(probe.c_str(), 0777) != 0)
-    throw InputError(fmt::format("cannot write results to {}: no directory can be made in {}: {}", target.string(),
-                                 existing.string(), std::strerror(errno)));
-  rmdir(probe.c_str());
+  uninterrupted([&] {
+    if (mkdir(probe.c_str(), 0777) != 0)
+      throw InputError(fmt::format("cannot write results to {}: no directory can be made in {}: {}", target.string(),
+                                   existing.string(), std::strerror(errno)));
+    rmdir(probe.c_str());
+  });
 } catch (const fs::filesystem_error& error) {
   throw InputError(fmt::format("cannot write results to {}: {}", directory, error.code().message()));
 }

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # timeout: 400
-"""CAD files with random faults: every one is a scene or one message that names it, within a minute."""
+# backend: serial
+"""CAD files with random faults: every one is a scene or one message that names it, within a minute. On the
+serial backend: a file is read in a process of its own that has one thread on every backend."""
 import pathlib
 import random
 import re

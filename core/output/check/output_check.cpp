@@ -20,6 +20,7 @@
 #include "core/output/fields/output_vtk.hpp"
 #include "core/output/pictures/output_gnuplot.hpp"
 #include "core/output/pictures/picture_sheet.hpp"
+#include "core/program/scratch_folder.hpp"
 
 namespace cgcontact {
 
@@ -439,29 +440,12 @@ void write_faces(const Drawing& drawing, const std::string& file_name) {
       file_name);
 }
 
-/// Files are written here first and then moved, so that each is the old one or the new one.
-class Workshop {
- public:
-  explicit Workshop(const fs::path& directory) : path_(directory / fmt::format(".check.tmp-{}", getpid())) {
-    fs::create_directories(path_ / "plots");
-  }
-  ~Workshop() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  fs::path path() const { return path_; }
-  /// False: there is no such file.
-  bool deliver(const std::string& name, const fs::path& directory) const {
-    if (!fs::exists(path_ / name)) return false;
-    fs::rename(path_ / name, directory / name);
-    return true;
-  }
-
- private:
-  fs::path path_;
-};
+/// False: there is no such file.
+bool deliver(const std::string& name, const fs::path& from, const fs::path& to) {
+  if (!fs::exists(from / name)) return false;
+  fs::rename(from / name, to / name);
+  return true;
+}
 
 }  // namespace
 
@@ -536,7 +520,8 @@ std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector
 }
 
 CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::string& directory) try {
-  const Workshop workshop(directory);
+  const ScratchFolder workshop(fs::path(directory) / fmt::format(".check.tmp-{}", getpid()));
+  fs::create_directory(workshop.path() / "plots");
   const std::vector<DrawnBody> drawn = draw_boundaries(bodies);
   const DrawnFaces found = find_faces(scene, bodies, drawn);
   const Drawing drawing{scene,
@@ -559,7 +544,7 @@ CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodie
     written.warnings.emplace_back(
         "no check.png: the program gnuplot was not found (Debian package gnuplot-nox) or failed");
   for (const char* name : {"check.png", "check_repair.png", "check_faces.vtkhdf", "check_cells.vtkhdf"})
-    if (workshop.deliver(name, directory)) written.names.emplace_back(name);
+    if (deliver(name, workshop.path(), directory)) written.names.emplace_back(name);
   if (repairs.empty()) fs::remove(fs::path(directory) / "check_repair.png");  // of an earlier check
   return written;
 } catch (const fs::filesystem_error& error) {

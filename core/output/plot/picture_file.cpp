@@ -6,10 +6,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <vector>
 
 #include "core/base/errors/errors.hpp"
 #include "core/base/files/text.hpp"
+#include "core/program/scratch_folder.hpp"
 
 namespace cgcontact {
 
@@ -40,32 +42,6 @@ bool lies_in(const fs::path& folder, const fs::path& other) {
   return false;
 }
 
-/// A folder beside the picture that goes with this object, or when the program is stopped.
-class DrawingFolder {
- public:
-  explicit DrawingFolder(const fs::path& file)
-      : path_(folder_of(file) / fmt::format(".{}.tmp-{}", file.filename().string(), getpid())),
-        clean_up_([this] { remove(); }) {
-    std::error_code error;
-    fs::create_directories(path_ / "plots", error);
-    if (error) throw InputError(fmt::format("--out {}: cannot be written: {}", file.string(), error.message()));
-  }
-  ~DrawingFolder() { remove(); }
-  DrawingFolder(const DrawingFolder&) = delete;
-  DrawingFolder& operator=(const DrawingFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  void remove() const {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-
-  const fs::path path_;
-  const CleanUp clean_up_;
-};
-
 /// Returns what gnuplot has said of a script; nothing in the folder will be there to look at.
 std::string messages_of_gnuplot(const fs::path& folder, const std::string& name) {
   std::error_code error;
@@ -90,20 +66,30 @@ PictureFile::PictureFile(const std::string& file, const std::string& result) : f
 
 void PictureFile::draw(const std::function<void(GnuplotRuns& runs, const std::string& name)>& use) const {
   const std::string name = "plot";
-  const DrawingFolder folder{fs::path(file_)};
-  GnuplotRuns runs(folder.path().string());
+  const fs::path path(file_);
+  const auto refuse_writing = [&](const std::error_code& error) {
+    if (error) throw InputError(fmt::format("--out {}: cannot be written: {}", file_, error.message()));
+  };
+  std::optional<ScratchFolder> folder;
+  try {
+    folder.emplace(folder_of(path) / fmt::format(".{}.tmp-{}", path.filename().string(), getpid()));
+    fs::create_directory(folder->path() / "plots");
+  } catch (const fs::filesystem_error& error) {
+    refuse_writing(error.code());
+  }
+  GnuplotRuns runs(folder->path().string());
   use(runs, name);
   const std::vector<std::string> warnings = runs.finish();
-  const fs::path picture = folder.path() / (name + ".png");
+  const fs::path picture = folder->path() / (name + ".png");
   std::error_code error;
   if (!warnings.empty() || !fs::is_regular_file(picture, error)) {
     const std::string warning = warnings.empty() ? "nothing was drawn" : warnings.front();
-    const std::string said = messages_of_gnuplot(folder.path(), name);
+    const std::string said = messages_of_gnuplot(folder->path(), name);
     throw InputError(fmt::format("--out {}: {}{}{}", file_, warning.substr(0, warning.find_first_of(";,")),
                                  said.empty() ? "" : ": ", said));
   }
   uninterrupted([&] { fs::rename(picture, file_, error); });
-  if (error) throw InputError(fmt::format("--out {}: cannot be written: {}", file_, error.message()));
+  refuse_writing(error);
 }
 
 }  // namespace cgcontact
