@@ -203,11 +203,14 @@ TEST(FrictionOfBall, CyclesDissipate) {
   EXPECT_NEAR(2 * (work(5) - work(3)) / cycle, 1, 0.05);
 }
 
-/// The whole ball pressed, then twisted by a moment: slip has another direction at every point. Lubkin (1951): the
-/// stick radius is 0.7 a for M = 0.40974 mu P a; within 1.5 cells (measured 0.17).
+/// The whole ball pressed, then twisted by a growing moment: slip has another direction at every point. Stick radii
+/// over the contact radius, of Lubkin (1951) for M/(mu P a); within 1.5 cells (measured 0.03 to 0.2).
 TEST(FrictionOfBall, TwistedBallSticksInTheMiddle) {
   constexpr int n = 8;
   constexpr double a_over_R = 1.0 / 60, P = 653.5, a = 5.032e-4;  // of the press alone
+  constexpr struct {
+    double moment, stick;
+  } lubkin[] = {{0.17635, 0.9}, {0.40974, 0.7}, {0.52858, 0.5}, {0.57687, 0.3}};
   std::string text = pushed_ball(n, a_over_R, "[0, 0]", 0);
   const auto cut = [&](const std::string& from, const std::string& to) {
     const std::size_t first = text.find(from);
@@ -218,14 +221,19 @@ TEST(FrictionOfBall, TwistedBallSticksInTheMiddle) {
   const double R = 5e-4 / a_over_R;
   for (const std::string& half : {fmt::format("min = [{}, 0, {}]", -R, -R), fmt::format("min = [{}, 0, {}]", -R, -R)})
     text.replace(text.find(half), half.size(), fmt::format("min = [{}, {}, {}]", -R, -R, -R));
-  text += fmt::format("[[load]]\nface = \"ball.cut.z+\"\nmoment = [0, 0, {}]\nsteps = [0, 1]\n", 0.40974 * 0.3 * P * a);
+  text += fmt::format("[[load]]\nface = \"ball.cut.z+\"\nmoment = [0, 0, {}]\nsteps = [0, {}, {}, {}, {}]\n",
+                      0.3 * P * a, lubkin[0].moment, lubkin[1].moment, lubkin[2].moment, lubkin[3].moment);
   const auto solved = test::run_text(text);
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
-  const FrictionFigures& f = friction(r);
-  EXPECT_NEAR(std::abs(f.torque->carried) / (0.40974 * 0.3 * P * a), 1, 0.01);
-  EXPECT_NEAR(std::sqrt(f.stick_area / pi), 0.7 * a, 1.5 * 5e-4 / n);
-  EXPECT_LT(f.force.norm(), 0.01 * 0.3 * P);
+  for (int k = 0; k < 4; ++k) {
+    const PairFigures& pair = r.steps[k + 1].pairs[0];
+    const double stick = std::sqrt(pair.friction->stick_area / pi);
+    std::printf("M/(mu P a) %.3f: sticks within %.3f a\n", lubkin[k].moment, stick / std::sqrt(pair.area / pi));
+    EXPECT_NEAR(std::abs(pair.friction->torque->carried) / (lubkin[k].moment * 0.3 * P * a), 1, 0.01);
+    EXPECT_NEAR(stick, lubkin[k].stick * a, 1.5 * 5e-4 / n);
+    EXPECT_LT(pair.friction->force.norm(), 0.01 * 0.3 * P);
+  }
 }
 
 /// What friction has done in a step without a solution is not known: no later step has one.
