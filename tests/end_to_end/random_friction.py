@@ -10,14 +10,14 @@ What must hold whatever the numbers: every step has an answer; the shear is at m
 equilibrium; friction never gives back more work than it took.
 """
 import argparse
-import csv
-import json
 import math
 import pathlib
 import random
 import subprocess
 import sys
 import tempfile
+
+import harness
 
 # Materials: E (GPa), Poisson's ratio.
 MATERIALS = ((210, 0.3), (70, 0.33), (110, 0.34), (200, 0.28), (3, 0.38))
@@ -29,18 +29,18 @@ ROUNDING = 1e-8
 BALANCE = 10
 
 
-def history(chance, low, high):
-    return [round(chance.uniform(low, high), 3) for _ in range(STEPS - 3)]
+def history(chance, low, high, steps=STEPS - 3):
+    return [round(chance.uniform(low, high), 3) for _ in range(steps)]
 
 
 def presses(chance):
     """Factors of a press: it comes in three steps and then varies, never to nothing."""
-    return [0.4, 0.7, 1.0] + [round(chance.uniform(0.35, 1.2), 3) for _ in range(STEPS - 3)]
+    return [0.4, 0.7, 1.0] + history(chance, 0.35, 1.2)
 
 
 def pushes(chance):
     """Factors of a push: nothing while the press comes, then to and fro."""
-    return [0, 0] + [round(chance.uniform(-1, 1), 3) for _ in range(STEPS - 2)]
+    return [0, 0] + history(chance, -1, 1, STEPS - 2)
 
 
 def materials(chance):
@@ -149,7 +149,7 @@ displacement = {{z = 0}}
 [[support]]
 face = "ball.c.top"
 displacement = {{z = {-press}}}
-steps = {[round(k / 5, 3) for k in range(1, 6)] + [round(chance.uniform(0.2, 1.2), 3) for _ in range(STEPS - 5)]}
+steps = {[round(k / 5, 3) for k in range(1, 6)] + history(chance, 0.2, 1.2, STEPS - 5)}
 
 [[contact]]
 faces = ["block.b.top", "ball.s.surface"]
@@ -171,12 +171,6 @@ def random_scene(seed, source):
               f"steps.loads={[0.5, 1] + history(chance, 0.1, 1.1) + [1]}", f"body.0.grid.offset={offset(chance)}",
               f"body.1.grid.offset={offset(chance)}")
     return "dovetail", (source / "scenes" / "dovetail.toml").read_text(), mu, chosen
-
-
-def read_rows(file):
-    with open(file, newline="") as lines:
-        return [{key: text if key in ("body", "pair") else float(text) for key, text in row.items()}
-                for row in csv.DictReader(lines)]
 
 
 def faults_in(report, rows, mu, tolerance):
@@ -210,10 +204,10 @@ def run_scene(program, source, seed, directory, tolerance):
     words = [word for setting in (*SETTINGS, f"solver.tolerance={tolerance}", *chosen) for word in ("--set", setting)]
     done = subprocess.run([program, "run", str(file), "--out", str(out), *words], stdin=subprocess.DEVNULL, capture_output=True,
                           text=True, check=False, timeout=1200)
-    report = json.loads((out / "report.json").read_text()) if (out / "report.json").exists() else None
-    if not report or done.returncode not in (0, 2):
+    if done.returncode not in (0, 2):
         return kind, [f"exit code {done.returncode}: {done.stderr.strip()[-600:]}"], []
-    faults = faults_in(report, read_rows(out / "contact.csv"), mu, tolerance)
+    report = harness.report(out)
+    faults = faults_in(report, harness.contact_rows(out), mu, tolerance)
     if done.returncode != 0 and not faults:
         faults = [f"exit code {done.returncode}: {done.stderr.strip()[-600:]}"]
     return kind, faults, [step["outer_iterations"] for step in report["steps"]]

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <vector>
 
 #include "core/base/errors/errors.hpp"
@@ -64,32 +63,24 @@ PictureFile::PictureFile(const std::string& file, const std::string& result) : f
     refuse_picture(file, "is there and is no PNG", "a new file, or a PNG to replace");
 }
 
-void PictureFile::draw(const std::function<void(GnuplotRuns& runs, const std::string& name)>& use) const {
+void PictureFile::draw(const std::function<void(GnuplotRuns& runs, const std::string& name)>& use) const try {
   const std::string name = "plot";
   const fs::path path(file_);
-  const auto refuse_writing = [&](const std::error_code& error) {
-    if (error) throw InputError(fmt::format("--out {}: cannot be written: {}", file_, error.message()));
-  };
-  std::optional<ScratchFolder> folder;
-  try {
-    folder.emplace(folder_of(path) / fmt::format(".{}.tmp-{}", path.filename().string(), getpid()));
-    fs::create_directory(folder->path() / "plots");
-  } catch (const fs::filesystem_error& error) {
-    refuse_writing(error.code());
-  }
-  GnuplotRuns runs(folder->path().string());
+  const ScratchFolder folder(folder_of(path) / fmt::format(".{}.tmp-{}", path.filename().string(), getpid()));
+  fs::create_directory(folder.path() / "plots");
+  GnuplotRuns runs(folder.path().string());
   use(runs, name);
   const std::vector<std::string> warnings = runs.finish();
-  const fs::path picture = folder->path() / (name + ".png");
-  std::error_code error;
-  if (!warnings.empty() || !fs::is_regular_file(picture, error)) {
+  const fs::path picture = folder.path() / (name + ".png");
+  if (!warnings.empty() || !fs::is_regular_file(picture)) {
     const std::string warning = warnings.empty() ? "nothing was drawn" : warnings.front();
-    const std::string said = messages_of_gnuplot(folder->path(), name);
+    const std::string said = messages_of_gnuplot(folder.path(), name);
     throw InputError(fmt::format("--out {}: {}{}{}", file_, warning.substr(0, warning.find_first_of(";,")),
                                  said.empty() ? "" : ": ", said));
   }
-  uninterrupted([&] { fs::rename(picture, file_, error); });
-  refuse_writing(error);
+  uninterrupted([&] { fs::rename(picture, file_); });
+} catch (const fs::filesystem_error& error) {
+  throw InputError(fmt::format("--out {}: cannot be written: {}", file_, error.code().message()));
 }
 
 }  // namespace cgcontact

@@ -12,6 +12,7 @@
 #include "core/base/files/json.hpp"
 #include "core/base/files/text.hpp"
 #include "core/output/study/output_study_plots.hpp"
+#include "core/program/scratch_folder.hpp"
 
 namespace cgcontact {
 
@@ -258,31 +259,25 @@ std::string too_fine(const Study& study) {
 
 }  // namespace
 
-std::vector<std::string> write_study(const Study& study, const std::string& directory) {
-  const fs::path target(directory), temporary = target / fmt::format(".tmp-{}", getpid());
+std::vector<std::string> write_study(const Study& study, const std::string& directory) try {
+  const fs::path target(directory);
+  const ScratchFolder folder(target / fmt::format(".tmp-{}", getpid()));
+  const fs::path& temporary = folder.path();
   std::vector<std::string> warnings;
-  std::error_code ignored;
-  try {
-    fs::create_directories(temporary / "plots");
-    write_text((temporary / "study.csv").string(), csv_of(study));
-    write_text((temporary / "study.json").string(), json_of(study));
-    write_study_plots(study, temporary.string(), warnings);
-    fs::remove_all(target / "plots");
-    if (!warnings.empty()) fs::rename(temporary / "plots", target / "plots");
-    for (const char* file : files)
-      if (fs::exists(temporary / file))
-        fs::rename(temporary / file, target / file);
-      else
-        fs::remove(target / file);
-  } catch (const fs::filesystem_error& error) {
-    fs::remove_all(temporary, ignored);
-    throw InputError(fmt::format("cannot write the study to {}: {}", directory, error.code().message()));
-  } catch (const InputError&) {
-    fs::remove_all(temporary, ignored);
-    throw;
-  }
-  fs::remove_all(temporary, ignored);
+  fs::create_directory(temporary / "plots");
+  write_text((temporary / "study.csv").string(), csv_of(study));
+  write_text((temporary / "study.json").string(), json_of(study));
+  write_study_plots(study, temporary.string(), warnings);
+  fs::remove_all(target / "plots");
+  if (!warnings.empty()) fs::rename(temporary / "plots", target / "plots");
+  for (const char* file : files)
+    if (fs::exists(temporary / file))
+      fs::rename(temporary / file, target / file);
+    else
+      fs::remove(target / file);
   return warnings;
+} catch (const fs::filesystem_error& error) {
+  throw InputError(fmt::format("cannot write the study to {}: {}", directory, error.code().message()));
 }
 
 void check_study_directory(const std::string& directory) try {
