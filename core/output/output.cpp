@@ -129,7 +129,8 @@ void remove_remains(const fs::path& target) {
     char* end = nullptr;
     const long process = std::strtol(rest.c_str(), &end, 10);
     const bool aside = std::string(end) == aside_mark;
-    if (process <= 0 || (*end && !aside) || kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    const bool ours = !*end || aside || std::string(end) == ScratchFolder::removed_mark;
+    if (process <= 0 || !ours || kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
     const DirectoryLock lock(path);
     if (!lock.held()) continue;
     const bool complete = fs::exists(path / "report.json", error);

@@ -20,10 +20,15 @@ ScratchFolder::~ScratchFolder() {
   });
 }
 
-/// Removes it in several attempts: other threads may be writing to it.
+/// Renames it first: other threads may be writing to it faster than files go, and by its name they make none any more.
+/// What one is just making can come between two attempts.
 void ScratchFolder::remove() const {
+  const fs::path removed = path_.string() + removed_mark;
   std::error_code error;
-  for (int attempt = 0; attempt < 10 && fs::exists(path_, error); ++attempt) fs::remove_all(path_, error);
+  fs::remove_all(removed, error);  // of a killed process of the same number
+  fs::rename(path_, removed, error);
+  if (error) return;
+  for (int attempt = 0; attempt < 10 && fs::exists(removed, error); ++attempt) fs::remove_all(removed, error);
 }
 
 }  // namespace cgcontact

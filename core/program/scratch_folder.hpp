@@ -19,6 +19,9 @@ class ScratchFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
+  /// Ends the name of a folder while it is being removed.
+  static constexpr const char* removed_mark = ".gone";
+
  private:
   void remove() const;
 
