@@ -217,7 +217,7 @@ void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups,
 template <class Memory>
 struct FrictionState {
   typename FrictionArrays<Memory>::Vectors shear;      ///< Pa, on the second body
-  typename FrictionArrays<Memory>::Vectors slip;       ///< m, of this load step
+  typename FrictionArrays<Memory>::Vectors slip;       ///< m, of this load step, also of open points
   typename FrictionArrays<Memory>::Vectors reference;  ///< m, where a point sticks if that is the end of the step
   typename FrictionArrays<Memory>::Flags slips;
 };
@@ -242,8 +242,9 @@ void friction_state(const Exec& exec, const ContactGroupArrays<Memory>& groups, 
             const double shear = bound > 0 ? law.carried_fraction(bound) * law.z[i] : 0,
                          held = friction.held_at(f, q, i);
             state.shear(q, i) = shear;
-            state.slip(q, i) = slips ? slip[i] - (friction.lagged(q, i) * friction.lagged_unit - shear) / k - held : 0;
-            state.reference(q, i) = bound > 0 ? held + state.slip(q, i) : slip[i];
+            const double elastic = slips ? (friction.lagged(q, i) * friction.lagged_unit - shear) / k : 0;
+            state.slip(q, i) = slips || bound == 0 ? slip[i] - elastic - held : 0;
+            state.reference(q, i) = held + state.slip(q, i);
           }
         }
       });

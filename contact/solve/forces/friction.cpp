@@ -329,6 +329,8 @@ std::vector<FrictionPoints> Friction::with_step(const Now& state) const {
     const ContactPair& pair = problem_.pairs[k];
     FrictionPoints& points = all[k];
     const std::size_t count = points.slip.size();
+    bool presses = false;  // a pair that opens wholly moves apart, and does not rub
+    for (std::size_t q = 0; q < count; ++q) presses |= bound(point + q) > 0;
     points.shear.assign(count, Vec3::Zero());
     points.slips.assign(count, 0);
     for (std::size_t q = 0; q < count; ++q, ++point) {
@@ -337,20 +339,17 @@ std::vector<FrictionPoints> Friction::with_step(const Now& state) const {
       points.shear[q] = global(state.shear);
       points.slips[q] = state.slips(point);
       const double before = std::exchange(points.bound[q], 0.0);
-      if (!(bound(point) > 0)) {  // apart: what moves then does not rub
-        points.slip[q] = Vec3::Zero();
-        continue;
-      }
+      const bool open = !(bound(point) > 0);
       const Vec3 step = global(state.slip);
-      points.slip[q] += step;
-      points.travelled[q] += step.norm();
+      points.slip[q] = open ? Vec3::Zero() : Vec3(points.slip[q] + step);
+      if (!open) points.travelled[q] += step.norm();
       if (std::isfinite(bound(point))) points.bound[q] = bound(point);
-      if (!state.slips(point)) continue;
       // Slip and pressure grow together from step to step, so that it rubs under their mean: one step is enough for
-      // loads in proportion, and for a pressure that stays.
+      // loads in proportion, and for a force that stays while it shifts from points that open to others.
+      if (open && !presses) continue;
       const double mean = 0.5 * (before + bound(point));
       points.wear[q] += mean / pair.friction() * step.norm();
-      points.work -= pair.points.weight(q) * mean / bound(point) * points.shear[q].dot(step);
+      points.work += pair.points.weight(q) * mean * step.norm();
     }
   }
   return all;
