@@ -73,8 +73,8 @@ void solve_faces(const ExecSpace& exec, SolvedState& state, std::vector<std::str
   for (const SolvedZone& zone : state.faces.zones)
     if (const FaceSolution& solution = zone.pressure.solution; !solution.converged)
       warnings.push_back(
-          fmt::format("contact \"{}\": the problem on its face stopped after {} iterations, its pressure still "
-                      "changes by {:.2g} of the force (recovery.face.max_iterations)",
+          fmt::format("contact \"{}\": the problem on its face stopped after {} iterations, the most that are made; "
+                      "its pressure still changes by {:.2g} of the force",
                       state.pairs[zone.pair].spec->name, solution.iterations, solution.change));
 }
 
