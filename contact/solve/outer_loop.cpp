@@ -112,7 +112,7 @@ void ContactSolver::Impl::take_loads() {
   right_hand_side_.begin(load, warm_);
 }
 
-/// From the last solution or, without one, from few closed points.
+/// From the last solution or, without one that has any, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   take_loads();
   for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
@@ -124,6 +124,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     held = earlier_ && start_from(*earlier_, now_);
     if (!held) initialise_active_set(now_);
     earlier_ = nullptr;
+  } else if (now_.floating.any() && count_active(problem_.pairs) == 0) {
+    initialise_active_set(now_);  // a step without loads has opened all
   }
   now_.friction.begin_step(now_.groups(), now_.gap_change());
   renew_friction();

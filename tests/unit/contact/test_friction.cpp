@@ -74,6 +74,66 @@ TEST(FrictionPatch, Sticks) {
   }
 }
 
+/// A step without loads, after which all points are open, leaves the next one as if it were the first: a plate between
+/// jaws, both held by contact alone, is pressed and pulled.
+TEST(Friction, StepWithoutLoadsChangesNothing) {
+  constexpr double press = 1000, pull = 450;
+  const auto solved = test::run_text(fmt::format(R"(
+plane_strain = "x"
+[[body]]
+name = "low"
+material = "steel"
+shape = {{box = {{min = [0, 0, -0.01], max = [0.0014, 0.03, 0]}}}}
+cell_size = 0.0026
+grid = {{offset = [0, 0.31, 0.62]}}
+[[body]]
+name = "plate"
+material = "steel"
+shape = {{box = {{min = [0, -0.01, 0], max = [0.0014, 0.05, 0.005]}}}}
+cell_size = 0.002
+grid = {{offset = [0, 0.17, 0.45]}}
+[[body]]
+name = "top"
+material = "steel"
+shape = {{box = {{min = [0, 0, 0.005], max = [0.0014, 0.03, 0.015]}}}}
+cell_size = 0.0026
+grid = {{offset = [0, 0.73, 0.2]}}
+[[support]]
+face = "low.z-"
+displacement = {{y = 0, z = 0}}
+[[support]]
+face = "top.z+"
+displacement = {{y = 0}}
+[[load]]
+face = "top.z+"
+force = [0, 0, {}]
+[[load]]
+face = "plate.y+"
+force = [0, {}, 0]
+steps = [0, 1]
+[[contact]]
+name = "lower"
+faces = ["plate.z-", "low.z+"]
+friction = 0.25
+[[contact]]
+name = "upper"
+faces = ["plate.z+", "top.z-"]
+friction = 0.25
+[steps]
+factors = [0, 1]
+)",
+                                                 -press, pull),
+                                     {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  double held = 0;
+  for (const auto& pair : r.pairs) {
+    EXPECT_NEAR(pair.zone.normal_force, press, 1e-5 * press);  // ten times the program's tolerance
+    held += pair.friction->force[1];
+  }
+  EXPECT_NEAR(std::abs(held), pull, 1e-5 * pull);
+}
+
 /// Moved farther than mu p can hold: all slips, by what the blocks' own shear leaves, and dissipates half of mu p times
 /// that, since pressure and slip grow together. The same load once more changes nothing.
 TEST(FrictionPatch, Slips) {
