@@ -91,7 +91,7 @@ std::string describe_sliding(const OuterProblem& problem, const std::vector<doub
               other.secondary == pair.secondary);
     });
     text += fmt::format(
-        "{}contact \"{}\": \"{}\" slides on \"{}\" all over: the loads need {:.5g} times what friction can carry "
+        "{}contact \"{}\": \"{}\" slides on \"{}\" all over: the loads need {:.4g} times what friction can carry "
         "there{} "
         "(friction = {:g})",
         text.empty() ? "" : "; ", pair.spec->name, problem.scene.bodies[pair.spec->first.body].name,
