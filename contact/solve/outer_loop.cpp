@@ -112,7 +112,7 @@ void ContactSolver::Impl::take_loads() {
   right_hand_side_.begin(load, warm_);
 }
 
-/// From the last solution or, without one that has any, from few closed points.
+/// From the last solution or, where that has no closed points, from few.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   take_loads();
   for (std::size_t b = 0; b < problem_.bodies.size(); ++b)

@@ -155,7 +155,7 @@ TEST(FrictionPatch, Slips) {
 }
 
 /// A soft pad under a force that stays, pushed so far that all of it slides: it tilts, one end lifts off, and points
-/// there rub until they open. Dissipates mu P times its slip, whatever the number of steps (0.08 less in one step where
+/// there rub until they open. Dissipates mu P times its slip, whatever the number of steps (0.07 less in one step where
 /// the points that open are left out).
 TEST(Friction, WorkDoesNotDependOnSteps) {
   constexpr double force = 200, coefficient = 0.35;
