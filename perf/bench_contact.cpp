@@ -238,7 +238,7 @@ Kernel friction(int n) {
   take_pressures(ExecSpace(), c->groups, arrays, c->change);
   set_bounds(ExecSpace(), c->groups, arrays, false);
   const auto run = [c, arrays, change] {
-    linearise_friction(ExecSpace(), c->groups, arrays, change);
+    linearise_friction(ExecSpace(), c->groups, arrays, c->change, RealView(change));
     ExecSpace().fence();
   };
   run();

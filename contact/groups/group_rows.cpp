@@ -96,6 +96,7 @@ std::vector<GroupRow> make_tangent_rows(const ExecSpace& exec, const std::vector
                                         const std::vector<BodyModel>& bodies, const ElasticSystem& system) {
   const Families family(bodies);
   std::vector<GroupRow> rows;
+  int first_group = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const ContactPair& pair = pairs[k];
     std::vector<std::vector<GroupRow>> along;
@@ -107,8 +108,10 @@ std::vector<GroupRow> make_tangent_rows(const ExecSpace& exec, const std::vector
     for (std::size_t g = 0; g < pair.groups.size(); ++g)
       for (std::size_t i = 0; i < along.size(); ++i) {
         along[i][g].family = family(k, 1 + i, pair.groups[g].surface);
+        along[i][g].coupled = first_group + static_cast<int>(g);
         rows.push_back(std::move(along[i][g]));
       }
+    first_group += static_cast<int>(pair.groups.size());
   }
   return rows;
 }

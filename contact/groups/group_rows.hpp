@@ -10,7 +10,7 @@ std::vector<GroupRow> make_group_rows(const ExecSpace& exec, const std::vector<C
                                       const std::vector<BodyModel>& bodies, const ElasticSystem& system);
 
 /// Makes the rows of friction: how the bodies slide along the tangents of the groups of pairs with friction, in order,
-/// ContactPair::num_tangents for each group.
+/// ContactPair::num_tangents for each group, each coupled to the row of its gap.
 std::vector<GroupRow> make_tangent_rows(const ExecSpace& exec, const std::vector<ContactPair>& pairs,
                                         const std::vector<BodyModel>& bodies, const ElasticSystem& system);
 

@@ -37,6 +37,8 @@ struct FrictionArrays {
   Values coefficient;    ///< of each group
   Kokkos::View<TangentFrame*, Memory> frame;
   Kokkos::View<ZoneForce*, Memory> linear;  ///< of each row: its force and stiffness, linear about where they were made
+  Values coupling;                          ///< of each row: its force per change of the gap, N/m
+  Values gap;                               ///< of each group: change of its gap where `linear` was made, m
   Vectors mismatch;                         ///< of each group: N, the law's force less the linear one before
   Flags turned;                             ///< of each group: whether `frame` has changed with `linear`
   Values weight;                            ///< of each point, m^2
@@ -57,6 +59,8 @@ struct FrictionArrays {
         coefficient("cgcontact::friction::coefficient", groups),
         frame("cgcontact::friction::frame", groups),
         linear("cgcontact::friction::linear", rows),
+        coupling("cgcontact::friction::coupling", rows),
+        gap("cgcontact::friction::gap", groups),
         mismatch("cgcontact::friction::mismatch", groups),
         turned("cgcontact::friction::turned", groups),
         weight("cgcontact::friction::weight", points),
@@ -82,6 +86,10 @@ struct FrictionArrays {
   KOKKOS_INLINE_FUNCTION double held_at(int g, int q, int i) const {
     return reference(q, i) + approach(g) * drift(g, i);
   }
+  /// Returns the linear force of a row whose group's gap has changed so, N. slip: of the row, m.
+  KOKKOS_INLINE_FUNCTION double linear_force(int g, int r, double slip, double gap_change) const {
+    return linear(r).at(slip) + coupling(r) * (gap_change - gap(g));
+  }
   KOKKOS_INLINE_FUNCTION TangentialContact law(int g, int q, double k, const double slip[2]) const {
     const double l[2] = {lagged(q, 0) * lagged_unit, lagged(q, 1) * lagged_unit};
     const double held[2] = {held_at(g, q, 0), held_at(g, q, 1)};
@@ -89,7 +97,7 @@ struct FrictionArrays {
   }
 };
 
-/// Takes the pressure of each point from the last solution. change: of the mean gap of all groups, m.
+/// Takes the pressure of each point. change: of the mean gap of all groups, m.
 template <class Exec, class Memory>
 void take_pressures(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
                     const Kokkos::View<double*, Memory>& change) {
@@ -123,6 +131,9 @@ void take_gaps(const Exec& exec, const ContactGroupArrays<Memory>& groups, const
       });
 }
 
+/// Bound of points that do not slip yet, Pa.
+constexpr double any_shear = 1e300;
+
 /// Sets the largest shear of the points: mu times their pressure, or anything (`stuck`) where they are closed.
 template <class Exec, class Memory>
 void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
@@ -134,48 +145,71 @@ void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, cons
         const int first = groups.first_point(friction.normal_group(f));
         for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
           const int point = first + q - friction.first_point(f);
-          const double most = stuck ? 1e300 : friction.coefficient(f) * friction.pressure(q);
+          const double most = stuck ? any_shear : friction.coefficient(f) * friction.pressure(q);
           friction.bound(q) = groups.active(point) ? most : 0;
         }
       });
 }
 
-/// Computes the force of a group whose points follow the law, N, and -d force / d slip, N/m, by tangents.
+/// Force of a group whose points follow the law, by tangents.
+struct GroupFriction {
+  double force[2] = {0, 0};         ///< N
+  double stiffness[3] = {0, 0, 0};  ///< -d force / d slip, N/m: 00, 01, 11
+  double coupling[2] = {0, 0};      ///< d force / d gap, N/m: what slips carries mu p
+};
+
+/// Computes the force at a slip and a change of the gap, m. Points that are open or without pressure where bounds were
+/// set carry nothing.
 template <class Memory>
-KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction, int f, double k, const double slip[2],
-                                         double force[2], double stiffness[3]) {
+KOKKOS_INLINE_FUNCTION GroupFriction force_of_law(const ContactGroupArrays<Memory>& groups,
+                                                  const FrictionArrays<Memory>& friction, int f, double gap_change,
+                                                  const double slip[2]) {
   constexpr double held = 1e-4;  // docs/decisions.md: less converges sooner close to sliding, but shows it less well
-  for (int i = 0; i < 2; ++i) force[i] = 0;
-  for (int i = 0; i < 3; ++i) stiffness[i] = 0;
+  const int g = friction.normal_group(f), first = groups.first_point(g) - friction.first_point(f);
+  const double k = groups.law(g).k, gap = groups.initial_gap(g) + gap_change;
+  GroupFriction sum;
   for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
-    const double bound = friction.bound(q), w = friction.weight(q);
-    if (bound == 0) continue;
+    if (friction.bound(q) == 0) continue;
     const TangentialContact law = friction.law(f, q, k, slip);
-    const double fraction = law.carried_fraction(bound);
-    for (int i = 0; i < 2; ++i) force[i] += w * fraction * law.z[i];
-    stiffness[0] += w * law.stiffness(bound, held, 0, 0);
-    stiffness[1] += w * law.stiffness(bound, held, 0, 1);
-    stiffness[2] += w * law.stiffness(bound, held, 1, 1);
+    double bound = any_shear;
+    if (friction.bound(q) < any_shear) {
+      const double p = groups.closed_pressure(g, first + q, gap);
+      if (!(p > 0)) continue;
+      bound = friction.coefficient(f) * p;
+    }
+    const double w = friction.weight(q), fraction = law.carried_fraction(bound);
+    for (int i = 0; i < 2; ++i) {
+      sum.force[i] += w * fraction * law.z[i];
+      if (!law.sticks(bound)) sum.coupling[i] -= w * friction.coefficient(f) * k * law.z[i] / law.size();
+    }
+    sum.stiffness[0] += w * law.stiffness(bound, held, 0, 0);
+    sum.stiffness[1] += w * law.stiffness(bound, held, 0, 1);
+    sum.stiffness[2] += w * law.stiffness(bound, held, 1, 1);
   }
+  return sum;
 }
 
-/// Makes the force of every row linear about the present slip; turns the rows of groups whose principal axes have
-/// changed. change: of the rows of friction, m. Sets `mismatch`, `linear`, `frame`, `turned`.
+/// Makes the force of every row linear about the present slip and gap; turns the rows of groups whose principal axes
+/// have changed. change: of all rows, m; slips: those of friction among them. Sets `mismatch`, `linear`, `coupling`,
+/// `gap`, `frame`, `turned`.
 template <class Exec, class Memory, class Change>
 void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& groups,
-                        const FrictionArrays<Memory>& friction, const Change& change) {
+                        const FrictionArrays<Memory>& friction, const Change& change, const Change& slips) {
   static_assert(reaches<Exec, Memory>);
   constexpr double same_axes = 0.02;  // of the trace: what is left off the diagonal resists slip by the square of it
   Kokkos::parallel_for(
       "cgcontact::friction::linearise", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
       KOKKOS_LAMBDA(const int f) {
         const int row = friction.row(f), rows = friction.num_rows(f);
-        double slip[2], force[2], s[3], before[2];
-        friction.slip(f, change, slip);
-        friction.by_tangents(f, friction.linear(row).at(change(row)),
-                             rows > 1 ? friction.linear(row + 1).at(change(row + 1)) : 0, before);
-        force_of_law(friction, f, groups.law(friction.normal_group(f)).k, slip, force, s);
-        for (int i = 0; i < 2; ++i) friction.mismatch(f, i) = rows > i ? force[i] - before[i] : 0;
+        const double gap = change(friction.normal_group(f));
+        double slip[2], before[2];
+        friction.slip(f, slips, slip);
+        friction.by_tangents(f, friction.linear_force(f, row, slips(row), gap),
+                             rows > 1 ? friction.linear_force(f, row + 1, slips(row + 1), gap) : 0, before);
+        const GroupFriction now = force_of_law(groups, friction, f, gap, slip);
+        const auto& s = now.stiffness;
+        friction.gap(f) = gap;
+        for (int i = 0; i < 2; ++i) friction.mismatch(f, i) = rows > i ? now.force[i] - before[i] : 0;
         TangentFrame frame = friction.frame(f);
         const double off =
             frame.cosine * frame.sine * (s[2] - s[0]) + (frame.cosine * frame.cosine - frame.sine * frame.sine) * s[1];
@@ -188,28 +222,48 @@ void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& grou
         }
         for (int i = 0; i < rows; ++i) {
           const double c = frame.along(i, 0), d = frame.along(i, 1);
-          friction.linear(row + i) = {frame.by_row(i, force), c * c * s[0] + 2 * c * d * s[1] + d * d * s[2],
+          friction.linear(row + i) = {frame.by_row(i, now.force), c * c * s[0] + 2 * c * d * s[1] + d * d * s[2],
                                       frame.by_row(i, slip)};
+          friction.coupling(row + i) = frame.by_row(i, now.coupling);
         }
       });
 }
 
-/// Computes the force of every row, N, by the law at the slip start + t step less the linear one: excess_forces() of
-/// friction. start, step, excess: of the rows of friction.
+/// Computes the force of every row, N, by the law at start + t step less the linear one: excess_forces() of friction.
+/// start, step: of all rows, m; slip_start, slip_step, excess: those of friction among them.
 template <class Exec, class Memory, class Rows>
 void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
-                     const Rows& start, const Rows& step, double t, const Rows& excess) {
+                     const Rows& start, const Rows& step, const Rows& slip_start, const Rows& slip_step, double t,
+                     const Rows& excess) {
   static_assert(reaches<Exec, Memory>);
   Kokkos::parallel_for(
       "cgcontact::friction::excess", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
       KOKKOS_LAMBDA(const int f) {
-        const int row = friction.row(f), rows = friction.num_rows(f);
-        const double now[2] = {start(row) + t * step(row), rows > 1 ? start(row + 1) + t * step(row + 1) : 0};
-        double slip[2], force[2], stiffness[3];
+        const int row = friction.row(f), rows = friction.num_rows(f), g = friction.normal_group(f);
+        const double gap = start(g) + t * step(g);
+        const double now[2] = {slip_start(row) + t * slip_step(row),
+                               rows > 1 ? slip_start(row + 1) + t * slip_step(row + 1) : 0};
+        double slip[2];
         friction.by_tangents(f, now[0], now[1], slip);
-        force_of_law(friction, f, groups.law(friction.normal_group(f)).k, slip, force, stiffness);
+        const GroupFriction law = force_of_law(groups, friction, f, gap, slip);
         for (int i = 0; i < rows; ++i)
-          excess(row + i) = friction.frame(f).by_row(i, force) - friction.linear(row + i).at(now[i]);
+          excess(row + i) =
+              friction.frame(f).by_row(i, law.force) - friction.linear_force(f, row + i, now[i], gap);
+      });
+}
+
+/// Adds what changes of the gaps add to the linear forces of the rows of friction, in terms of `unit` (N). change: of
+/// all rows, m; force: of the rows of friction.
+template <class Exec, class Memory, class Rows>
+void add_coupled_forces(const Exec& exec, const FrictionArrays<Memory>& friction, const Rows& change, double unit,
+                        const Rows& force) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::coupled_forces", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const double moved = change(friction.normal_group(f)) - friction.gap(f);
+        for (int r = friction.row(f); r < friction.row(f) + friction.num_rows(f); ++r)
+          force(r) += friction.coupling(r) * moved / unit;
       });
 }
 

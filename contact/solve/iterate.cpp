@@ -140,8 +140,9 @@ RealView Iterate::gap_change() const {
 
 RealView Iterate::group_forces(bool with_displacement) const {
   const RealView forces = new_values("cgcontact::iterate::group_forces", rigid_gap_change.size());
-  cgcontact::group_forces(problem.exec, groups(), with_displacement ? gap_change() : rigid_gap_change, force_unit(),
-                          forces);
+  const RealView change = with_displacement ? gap_change() : rigid_gap_change;
+  cgcontact::group_forces(problem.exec, groups(), change, force_unit(), forces);
+  friction.add_coupled_forces(change, force_unit(), forces);
   problem.exec.fence();
   return forces;
 }
@@ -151,6 +152,12 @@ std::vector<double> Iterate::group_stiffness() const {
   closed_stiffness(problem.exec, groups(), problem.scales.stress * problem.scales.length, stiffness);
   problem.exec.fence();
   return to_host(stiffness);
+}
+
+std::vector<double> Iterate::group_coupling() const {
+  std::vector<double> coupling = friction.coupling();
+  for (double& c : coupling) c /= problem.scales.stress * problem.scales.length;
+  return coupling;
 }
 
 void Iterate::close_pressing_points(double fraction) {

@@ -54,6 +54,8 @@ struct Iterate {
   std::vector<double> group_force(bool with_displacement) const { return to_host(group_forces(with_displacement)); }
   /// Returns the present stiffness of each group, system units.
   std::vector<double> group_stiffness() const;
+  /// Returns what resists per gap of the coupled row, system units, or nothing.
+  std::vector<double> group_coupling() const;
   /// Closes the points of every pair that press, but where all of a pair is below `fraction` of its k: bonded pairs
   /// stay closed.
   void close_pressing_points(double fraction);

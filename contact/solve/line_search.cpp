@@ -38,6 +38,7 @@ double search_along_step(const LinearSolver& solver, const RealView& before, Ite
     friction.add_excess(groups, start, along, t, excess);
     return -curvature * (1 - t) - dot(exec, excess, along) / (iterate.force_unit() * problem.scales.length);
   };
+  if (curvature <= 0) return 1;  // mu p that follows the gap may turn it: no energy, no search
   if (slope(1) <= (friction.any() ? slope_left * curvature : 0)) return 1;
   double low = 0, high = 1;
   const int most = friction.any() ? max_halvings_with_friction : max_interval_bisections;

@@ -37,9 +37,6 @@ constexpr double slow_fall = 0.5, tighter = 0.1;
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
 constexpr double nearly_converged = 1e-3, no_drift = 0.05;
-/// Relative change of the recovered stress below which closed points may slip (0.3 and 0.03 take as many iterations,
-/// docs/decisions.md).
-constexpr double sticks_until = 0.1;
 /// With friction the iteration may take this many times as long if the residual falls to this fraction in some
 /// iterations.
 constexpr int longest = 4;
@@ -214,11 +211,10 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
 /// Recovers the stress and, with friction, what it bounds; returns how far both are from what the last system had.
 double ContactSolver::Impl::renew_stress() {
   Friction& friction = now_.friction;
-  if (friction.any()) friction.take_pressures(now_.groups(), now_.gap_change());
-  double change = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
+  const double change = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
   if (!friction.any()) return change;
   const bool stuck = friction.is_stuck();
-  if (change < sticks_until) friction.release();
+  friction.release();
   renew_friction();
   return stuck ? 1 : std::max(change, friction.residual());
 }
@@ -262,6 +258,7 @@ void ContactSolver::Impl::warm_start_from(const Impl& other) {
 /// Linear system of the present iterate.
 void ContactSolver::Impl::assemble() {
   set_group_stiffness(problem_.system, now_.group_stiffness());
+  set_group_coupling(problem_.system, now_.group_coupling());
   now_.set_rigid_motions_aside();
   right_hand_side_.assemble(now_);
 }
@@ -333,7 +330,7 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   std::size_t group = 0;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
-  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones, now_.friction.rows());
+  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones, now_.friction.rows(now_.gap_change()));
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {

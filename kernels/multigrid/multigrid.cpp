@@ -239,6 +239,7 @@ struct Multigrid::Impl {
       const bool same_rows = !first && !present.any_changed();
       if (level.is_worked_on) {
         if (level.is_shared()) level.share->set_groups(level.whole->group_rows, present.stiffness, same_rows);
+        if (level.is_shared() && l == 0) level.share->take_coupling(fine);
         level.op->set_groups(*level.system);
         level.smoother->set_groups(level.system->group_rows, present.stiffness);
       }

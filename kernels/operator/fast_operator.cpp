@@ -145,6 +145,12 @@ void FastOperator<Real>::set_groups(const ElasticSystem& system) {
   groups_.row_value = convert<VectorView>("cgcontact::fast_operator::row_value", g.row_value);
   groups_.column_value = convert<VectorView>("cgcontact::fast_operator::column_value", g.column_value);
   groups_.stiffness = convert<VectorView>("cgcontact::fast_operator::stiffness", g.stiffness);
+  groups_.coupled_row = IntView();
+  groups_.coupling = VectorView();
+  if (std::is_same_v<Real, double> && g.coupling.extent(0) > 0) {
+    groups_.coupled_row = g.coupled_row;
+    groups_.coupling = convert<VectorView>("cgcontact::fast_operator::coupling", g.coupling);
+  }
   groups_.scratch = VectorView("cgcontact::fast_operator::scratch", g.stiffness.extent(0));
   sizes_.groups = static_cast<long long>(groups_.stiffness.extent(0));
   sizes_.group_entries = static_cast<long long>(groups_.row_value.extent(0));
@@ -198,14 +204,14 @@ template <class Real>
 void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const {
   const Groups r = groups_;
   if (r.stiffness.extent(0) == 0) return;
+  const bool coupled = r.coupling.extent(0) > 0;
   launch(
       "cgcontact::fast_operator::group_gaps",
       Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(r.stiffness.extent(0))), grain_of_medium,
       KOKKOS_LAMBDA(const int g) {
-        Real gap = 0;
-        if (r.stiffness(g) != 0)
-          for (int e = r.row_begin(g); e < r.row_begin(g + 1); ++e) gap += r.row_value(e) * x[r.row_dof(e)];
-        r.scratch(g) = sign * r.stiffness(g) * gap;
+        Real force = r.stiffness(g) != 0 ? r.stiffness(g) * r.gap(g, x) : 0;
+        if (coupled && r.coupling(g) != 0) force += r.coupling(g) * r.gap(r.coupled_row(g), x);
+        r.scratch(g) = sign * force;
       });
   if (group_sums_) group_sums_->sum(exec, r.scratch.data());
   const int num_dofs = static_cast<int>(r.dof_list.extent(0));

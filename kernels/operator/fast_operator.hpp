@@ -36,7 +36,7 @@ class FastOperator {
   int num_dofs() const { return dof_of(num_nodes_); }
   const Sizes& sizes() const { return sizes_; }
 
-  /// Takes over rows and stiffnesses.
+  /// Takes over rows and stiffnesses; their coupling in double only: preconditioners are symmetric.
   void set_groups(const ElasticSystem& system);
 
   /// y = A x. x is consistent, b, y and r are zero at constrained nodes (DofMap).
@@ -67,8 +67,14 @@ class FastOperator {
   void gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const;
 
   struct Groups {
-    IntView row_begin, row_dof, dof_begin, dof_list, column_group;
-    VectorView row_value, column_value, stiffness, scratch;
+    IntView row_begin, row_dof, dof_begin, dof_list, column_group, coupled_row;
+    VectorView row_value, column_value, stiffness, coupling, scratch;
+
+    KOKKOS_INLINE_FUNCTION Real gap(int g, const Real* x) const {
+      Real sum = 0;
+      for (int e = row_begin(g); e < row_begin(g + 1); ++e) sum += row_value(e) * x[row_dof(e)];
+      return sum;
+    }
   };
 
   int num_nodes_ = 0;

@@ -136,6 +136,7 @@ void compress_group_rows(ElasticSystem& system) {
   r.column_value = copy_to_view<RealView>("cgcontact::system::column_value", rows_of_dofs.rows.coefficient);
   r.stiffness = RealView("cgcontact::system::stiffness", system.group_rows.size());
   r.scratch = RealView("cgcontact::system::scratch", system.group_rows.size());
+  set_group_coupling(system, {});
 }
 
 std::vector<double> group_stiffness(const ElasticSystem& system) {
@@ -157,6 +158,16 @@ void set_group_stiffness(ElasticSystem& system, const std::vector<double>& stiff
   auto host = Kokkos::create_mirror_view(system.groups.stiffness);
   for (std::size_t g = 0; g < stiffness.size(); ++g) host(g) = stiffness[g];
   Kokkos::deep_copy(system.groups.stiffness, host);
+}
+
+void set_group_coupling(ElasticSystem& system, const std::vector<double>& coupling) {
+  system.groups.coupled_row = IntView();
+  system.groups.coupling = RealView();
+  if (std::all_of(coupling.begin(), coupling.end(), [](double c) { return c == 0; })) return;
+  std::vector<int> row;
+  for (const GroupRow& r : system.group_rows) row.push_back(r.coupled);
+  system.groups.coupled_row = copy_to_view<IntView>("cgcontact::system::coupled_row", row);
+  system.groups.coupling = copy_to_view<RealView>("cgcontact::system::coupling", coupling);
 }
 
 }  // namespace cgcontact

@@ -27,6 +27,7 @@ struct GroupRow {
   std::vector<std::pair<int, double>> entries;  ///< (DoF, coefficient), sorted by DoF
   int level = 0, cell = 0;                      ///< of the facet, in the coarser body; level: index into level_meshes()
   int family = 0;                               ///< rows of one family may be merged on coarser grids
+  int coupled = -1;                             ///< row whose gap may change this one's force too; -1: none
 };
 
 /// Sparse rows (one per contact group) and their transpose, both compressed: coefficients of the mean gap.
@@ -38,6 +39,9 @@ struct GroupRows {
   RealView column_value;
   RealView stiffness;  ///< k of each group; 0 where the group is open
   RealView scratch;    ///< (num_groups)
+  /// Of each group: its coupled row, or -1, and force per gap of that. Empty: no row has any, the matrix is symmetric.
+  IntView coupled_row;
+  RealView coupling;
 };
 
 struct ElasticSystem {
@@ -100,5 +104,9 @@ bool changed_much(const std::vector<double>& before, const std::vector<double>& 
 
 /// Sets the stiffness of each group (Scales::stress * Scales::length).
 void set_group_stiffness(ElasticSystem& system, const std::vector<double>& stiffness);
+
+/// Sets the force of each group per gap of its coupled row (Scales::stress * Scales::length): all zero or empty leave
+/// the matrix symmetric. Preconditioners and assembled matrices do not have it.
+void set_group_coupling(ElasticSystem& system, const std::vector<double>& coupling);
 
 }  // namespace cgcontact

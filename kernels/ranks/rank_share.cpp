@@ -252,10 +252,17 @@ void RankShare::set_groups(const std::vector<GroupRow>& rows, const std::vector<
   set_group_stiffness(system_, stiffness);
 }
 
+void RankShare::take_coupling(const ElasticSystem& whole) {
+  system_.groups.coupled_row = whole.groups.coupled_row;
+  system_.groups.coupling = whole.groups.coupling;
+}
+
 void RankShare::set_group_sums() {
   std::vector<int> own, shared;
   for (std::size_t g = 0; g < system_.group_rows.size(); ++g)
-    if (!system_.group_rows[g].entries.empty()) own.push_back(static_cast<int>(g));
+    if (const GroupRow& row = system_.group_rows[g];
+        !row.entries.empty() || (row.coupled >= 0 && !system_.group_rows[row.coupled].entries.empty()))
+      own.push_back(static_cast<int>(g));
   const std::vector<RowPart> parts = parts_of_shared_rows(own);
   system_.group_sums.reset();
   if (parts.empty()) return;
@@ -268,7 +275,7 @@ std::vector<GroupRow> RankShare::own_entries(const std::vector<GroupRow>& rows) 
   std::vector<GroupRow> own;
   own.reserve(rows.size());
   for (const GroupRow& row : rows) {
-    own.push_back({{}, row.level, row.cell, row.family});
+    own.push_back({{}, row.level, row.cell, row.family, row.coupled});
     for (const auto& [dof, value] : row.entries)
       if (owns(node_of_dof(dof)))
         own.back().entries.emplace_back(dof_of(local(node_of_dof(dof)), component_of_dof(dof)), value);

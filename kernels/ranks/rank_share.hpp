@@ -29,6 +29,8 @@ class RankShare {
   /// Takes over the rows of the contact groups of the whole system, unless it has the same, and their stiffness.
   /// Collective.
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows);
+  /// Takes the coupling of all rows, after these; of the grid that this is the share of.
+  void take_coupling(const ElasticSystem& whole);
   /// Returns rows with the entries at own nodes alone, in local numbers.
   std::vector<GroupRow> own_entries(const std::vector<GroupRow>& rows) const;
 

@@ -60,7 +60,7 @@ void apply_ghost_faces(const Exec& exec, const ColouredMeshOf<degree>& mesh, con
   }
 }
 
-/// y += B^T diag(k) B x: gather per group, then gather per touched DoF (no atomics).
+/// y += B^T (diag(k) + C) B x, C the coupling: gather per group, then gather per touched DoF (no atomics).
 template <class Exec, class X, class Y>
 void apply_groups(const Exec& exec, const GroupRows& rows, const X& x, const Y& y) {
   const int num_groups = static_cast<int>(rows.stiffness.extent(0));
@@ -71,6 +71,10 @@ void apply_groups(const Exec& exec, const GroupRows& rows, const X& x, const Y& 
         double gap = 0;
         for (int e = r.row_begin(g); e < r.row_begin(g + 1); ++e) gap += r.row_value(e) * x(r.row_dof(e));
         r.scratch(g) = r.stiffness(g) * gap;
+        if (r.coupling.extent(0) == 0 || r.coupled_row(g) < 0) return;
+        const int other = r.coupled_row(g);
+        for (int e = r.row_begin(other); e < r.row_begin(other + 1); ++e)
+          r.scratch(g) += r.coupling(g) * r.row_value(e) * x(r.row_dof(e));
       });
   const int num_dofs = static_cast<int>(r.dof_list.extent(0));
   Kokkos::parallel_for(

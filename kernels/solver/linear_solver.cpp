@@ -101,6 +101,11 @@ struct LinearSolver::Impl {
   bool wants_motions = false;             ///< the next update looks for rigid motions to be kept apart
   bool has_no_motions = false;            ///< it has looked, and there are none
 
+  /// Unsymmetric where rows are coupled.
+  LinearMethod method_for_rows() const {
+    return system.groups.coupling.extent(0) > 0 ? LinearMethod::flexible_gmres : method;
+  }
+
   const RankShare* share() const { return multigrid.is_null() ? nullptr : multigrid->share(); }
   /// Returns the system that this rank computes.
   const ElasticSystem& own_system() const { return share() ? share()->system() : system; }
@@ -268,7 +273,7 @@ LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x
   // true one near rounding: a second sweep corrects that.
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
     const double relative = std::max(0.9 * tolerance / norm, 1e-15);
-    result.iterations += solve_krylov(method, projected_op, preconditioner, rhs, correction, relative,
+    result.iterations += solve_krylov(method_for_rows(), projected_op, preconditioner, rhs, correction, relative,
                                       max_iterations - result.iterations);
     add_correction();
     const double previous = norm;

@@ -1,4 +1,4 @@
-/// Flexible CG, or another method of Belos, on the matrix-free operator, preconditioned by geometric multigrid or, for
+/// Flexible CG, or another method of Belos, on the matrix-free operator (flexible GMRES where rows are coupled), preconditioned by geometric multigrid or, for
 /// comparison, by MueLu on the assembled matrix.
 #pragma once
 

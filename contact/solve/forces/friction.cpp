@@ -96,6 +96,7 @@ void Friction::forget() {
   Kokkos::deep_copy(arrays_.bound, 0.0);
   Kokkos::deep_copy(arrays_.pressure, 0.0);
   Kokkos::deep_copy(arrays_.linear, ZoneForce());
+  Kokkos::deep_copy(arrays_.coupling, 0.0);
   Kokkos::deep_copy(stress.h_view, 0.0);
   stress.modify_host();
   stress.sync_device();
@@ -120,19 +121,40 @@ RealView Friction::of_friction(const RealView& all) const {
 void Friction::add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along,
                           double t, const RealView& excess) const {
   if (!any()) return;
-  friction_excess(problem_.exec, groups, arrays_, of_friction(start), of_friction(along), t, of_friction(excess));
+  friction_excess(problem_.exec, groups, arrays_, start, along, of_friction(start), of_friction(along), t,
+                  of_friction(excess));
   problem_.exec.fence();
 }
 
-std::vector<FrictionRow> Friction::rows() const {
+void Friction::add_coupled_forces(const RealView& change, double unit, const RealView& forces) const {
+  if (!any()) return;
+  cgcontact::add_coupled_forces(problem_.exec, arrays_, change, unit, of_friction(forces));
+}
+
+std::vector<double> Friction::coupling() const {
+  if (!any()) return {};
+  const auto of_rows = host_of(arrays_.coupling);
+  std::vector<double> all(first_row_, 0.0);
+  for (int r = 0; r < num_rows(); ++r) all.push_back(-of_rows(r));
+  return all;
+}
+
+std::vector<FrictionRow> Friction::rows(const RealView& change) const {
   const auto linear = host_of(arrays_.linear);
+  const RealView gaps("cgcontact::friction::of_gaps", num_rows());
+  cgcontact::add_coupled_forces(problem_.exec, arrays_, change, 1, gaps);
+  problem_.exec.fence();
+  const auto of_gaps = host_of(gaps);
   std::vector<FrictionRow> all;
   std::size_t f = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     for (std::size_t g = 0; g < pair.groups.size() && pair.num_tangents > 0; ++g, ++f) {
-      for (int i = 0; i < pair.num_tangents; ++i)
-        all.push_back({k, g, {frames_[f].along(i, 0), frames_[f].along(i, 1)}, linear(all.size())});
+      for (int i = 0; i < pair.num_tangents; ++i) {
+        ZoneForce now = linear(all.size());
+        now.force += of_gaps(all.size());
+        all.push_back({k, g, {frames_[f].along(i, 0), frames_[f].along(i, 1)}, now});
+      }
     }
   }
   return all;
@@ -194,17 +216,13 @@ void Friction::take_drifts(const ContactGroupArrays<MemSpace>& groups) const {
   Kokkos::deep_copy(arrays_.drift, drift);
 }
 
-void Friction::take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
-  cgcontact::take_pressures(problem_.exec, groups, arrays_, change);
-  problem_.exec.fence();
-}
-
 bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   if (!any()) return false;
   stress.sync_device();
+  take_pressures(problem_.exec, groups, arrays_, change);
   set_bounds(problem_.exec, groups, arrays_, stuck_);
   take_drifts(groups);
-  linearise_friction(problem_.exec, groups, arrays_, of_friction(change));
+  linearise_friction(problem_.exec, groups, arrays_, change, of_friction(change));
   problem_.exec.fence();
   const auto mismatch = host_of(arrays_.mismatch);
   const auto first_point = host_of(arrays_.first_point);

@@ -1,7 +1,7 @@
-/// Friction in the outer iteration: Coulomb's law with the recovered shear and the bound mu p lagged, like the
-/// pressure. With both fixed the energy is convex; each iteration takes one Newton step with an exact line search, then
-/// renews them (docs/theory.md). Closed points stick at the start of every load step until the recovered stress
-/// settles; a step remembers where they stuck at the end of the last one.
+/// Friction in the outer iteration: Coulomb's law with the recovered shear lagged, like the pressure. Each iteration
+/// takes one Newton step of normal and shear together, whose matrix is not symmetric where points slip: mu p follows
+/// the gap (docs/theory.md). All closed points stick in the first solve of a load step, from where they stuck at the
+/// end of the last one.
 #pragma once
 
 #include <Kokkos_DualView.hpp>
@@ -16,7 +16,7 @@ namespace cgcontact {
 struct FrictionRow {
   std::size_t pair, group;  ///< group: of the pair
   double along[2];          ///< its direction at a point, by the tangents there
-  ZoneForce linear;
+  ZoneForce linear;         ///< at the present gap
 };
 
 class Friction {
@@ -36,9 +36,8 @@ class Friction {
   bool is_stuck() const { return stuck_; }
   void release() { stuck_ = false; }
 
-  /// Pressures of the last solution. change: of the gaps of all rows, m.
-  void take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
-  /// Renews bounds, and forces that are linear about the present slip. True: rows of the system have turned.
+  /// Renews pressures, bounds, and forces that are linear about the present slip. change: of the gaps of all rows, m.
+  /// True: rows of the system have turned.
   bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
   /// Returns the distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while
   /// points are held. RMS over the area.
@@ -51,7 +50,13 @@ class Friction {
   /// m, N.
   void add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along, double t,
                   const RealView& excess) const;
-  std::vector<FrictionRow> rows() const;
+  /// Adds what gaps change of the linear forces, to forces of all rows in terms of `unit` (N).
+  void add_coupled_forces(const RealView& change, double unit, const RealView& forces) const;
+  /// Returns the force of all rows per gap of their group, N/m, less where that resists (as stiffness); empty: none has
+  /// any.
+  std::vector<double> coupling() const;
+  /// Returns the rows. change: as above.
+  std::vector<FrictionRow> rows(const RealView& change) const;
   /// Puts in the linear forces as those of groups that have no points, behind all others.
   void put_into(const ContactGroupArrays<MemSpace>& groups) const;
 

@@ -73,6 +73,9 @@ struct PlainFriction {
       k.push_back(random(1, 3));
       coefficient.push_back(random(0.1, 0.5));
       gap.push_back(random(-0.5, 0.5));
+      gap_change.push_back(random(-0.4, 0.4));
+      gap_step.push_back(random(-0.4, 0.4));
+      old_gap.push_back(random(-0.4, 0.4));
       frame.push_back({1, 0});
       if (num_rows.back() == 2) {
         const double angle = random(-3, 3);
@@ -80,9 +83,11 @@ struct PlainFriction {
       }
       for (int q = 0; q < count; ++q) {
         weight.push_back(random(0.5, 2));
-        bound.push_back(random() < -0.4 ? 0 : random(0.1, 1));
+        active.push_back(random() > -0.4);
         pressed.push_back(random(0.1, 2));
-        active.push_back(bound.back() > 0);
+        const double p = pressed.back() - k.back() * (gap.back() + gap_change.back());
+        bound.push_back(active.back() && p > 0 ? coefficient.back() * p : 0);
+        if (g % 11 == 5 && active.back()) bound.back() = any_shear;
         lagged.push_back({random(), num_rows.back() == 2 ? random() : 0});
         reference.push_back({random(), num_rows.back() == 2 ? random() : 0});
       }
@@ -93,6 +98,7 @@ struct PlainFriction {
       change.push_back(random());
       step.push_back(random());
       linear.push_back({random(), random(0, 1), random()});
+      coupling.push_back(random());
     }
   }
 
@@ -105,17 +111,26 @@ struct PlainFriction {
     const double held[2] = {reference[q][0] + approach[g] * drift[g][0], reference[q][1] + approach[g] * drift[g][1]};
     return {k[g], lagged[q].data(), slip.data(), held};
   }
-  std::array<double, 2> force(int g, const std::array<double, 2>& slip) const {
+  /// Largest shear after another change of the gap.
+  double bound_at(int g, int q, double change) const {
+    const double p = pressed[q] - k[g] * (gap[g] + change);
+    return bound[q] == 0 || bound[q] == any_shear ? bound[q] : coefficient[g] * std::max(p, 0.0);
+  }
+  std::array<double, 2> force(int g, const std::array<double, 2>& slip, double change) const {
     std::array<double, 2> sum{0, 0};
     for (int q = first[g]; q < first[g + 1]; ++q)
-      for (int i = 0; i < 2 && bound[q] > 0; ++i)
-        sum[i] += weight[q] * law(g, q, slip).carried_fraction(bound[q]) * law(g, q, slip).z[i];
+      for (int i = 0; i < 2 && bound_at(g, q, change) > 0; ++i)
+        sum[i] += weight[q] * law(g, q, slip).carried_fraction(bound_at(g, q, change)) * law(g, q, slip).z[i];
     return sum;
+  }
+  double linear_force(int g, int r, double slip, double gap_now) const {
+    return linear[r].at(slip) + coupling[r] * (gap_now - old_gap[g]);
   }
 
   std::vector<int> first{0}, row, num_rows;
   int rows = 0;
-  std::vector<double> k, coefficient, gap, weight, bound, pressed, change, step, approach;
+  std::vector<double> k, coefficient, gap, weight, bound, pressed, change, step, approach, coupling;
+  std::vector<double> gap_change, gap_step, old_gap;
   std::vector<TangentFrame> frame;
   std::vector<std::array<double, 2>> lagged, reference, drift;
   std::vector<ZoneForce> linear;
@@ -158,7 +173,7 @@ class FrictionKernels : public testing::Test {
     fill(f.num_rows, plain.num_rows), fill(f.coefficient, plain.coefficient), fill(f.frame, plain.frame);
     fill(f.linear, plain.linear), fill(f.weight, plain.weight), fill(f.bound, plain.bound);
     fill(f.lagged, plain.lagged), fill(f.reference, plain.reference), fill(f.approach, plain.approach);
-    fill(f.drift, plain.drift);
+    fill(f.drift, plain.drift), fill(f.coupling, plain.coupling), fill(f.gap, plain.old_gap);
     return f;
   }
   /// Normal groups: no lagged pressure, so that p = -k gap.
@@ -175,26 +190,30 @@ class FrictionKernels : public testing::Test {
 };
 TYPED_TEST_SUITE(FrictionKernels, ExecutionSpaces);
 
-/// The linear forces are those of the law at the slip where they were made, fall as the law does there, and act along
-/// rows between which nothing couples.
+/// The linear forces are those of the law at the slip and the gap where they were made, fall with both as the law does
+/// there, and act along rows between which nothing couples.
 TYPED_TEST(FrictionKernels, LinearForcesAreTangentToTheLaw) {
   const PlainFriction plain(200);
   const auto f = this->friction(plain);
   const auto change = this->values_of(plain.change);
-  linearise_friction(this->exec, this->groups(plain), f, change);
+  linearise_friction(this->exec, this->groups(plain), f, this->values_of(plain.gap_change), change);
   const auto linear = this->on_host(f.linear);
+  const auto coupling = this->on_host(f.coupling), gap = this->on_host(f.gap);
   const auto frame = this->on_host(f.frame);
   const auto turned = this->on_host(f.turned);
   const auto mismatch = this->on_host(f.mismatch);
-  int num_turned = 0;
+  int num_turned = 0, num_coupled = 0;
   for (int g = 0; g < 200; ++g) {
-    const std::array<double, 2> slip = plain.by_tangents(g, plain.change), force = plain.force(g, slip);
+    const double gap_now = plain.gap_change[g];
+    const std::array<double, 2> slip = plain.by_tangents(g, plain.change), force = plain.force(g, slip, gap_now);
+    EXPECT_EQ(gap(g), gap_now);
     num_turned += turned(g);
     if (!turned(g)) {
       EXPECT_EQ(frame(g).cosine, plain.frame[g].cosine);
     }
-    std::vector<double> before;
-    for (int r = 0; r < plain.rows; ++r) before.push_back(plain.linear[r].at(plain.change[r]));
+    std::vector<double> before(plain.rows, 0.0);
+    for (int r = plain.row[g]; r < plain.row[g] + plain.num_rows[g]; ++r)
+      before[r] = plain.linear_force(g, r, plain.change[r], gap_now);
     const std::array<double, 2> was = plain.by_tangents(g, before);
     for (int i = 0; i < plain.num_rows[g]; ++i) {
       EXPECT_NEAR(mismatch(g, i), force[i] - was[i], rounding * 20);
@@ -203,7 +222,7 @@ TYPED_TEST(FrictionKernels, LinearForcesAreTangentToTheLaw) {
       EXPECT_NEAR(row.force, c * force[0] + s * force[1], rounding * 20);
       EXPECT_NEAR(row.gap, c * slip[0] + s * slip[1], rounding * 20);
       constexpr double h = 1e-6;
-      const auto moved = [&](double by) { return plain.force(g, {slip[0] + by * c, slip[1] + by * s}); };
+      const auto moved = [&](double by) { return plain.force(g, {slip[0] + by * c, slip[1] + by * s}, gap_now); };
       const auto up = moved(h), down = moved(-h);
       double kept = 0, all = 0;
       bool near_kink = false;
@@ -213,7 +232,13 @@ TYPED_TEST(FrictionKernels, LinearForcesAreTangentToTheLaw) {
         all += plain.bound[q] > 0 ? plain.weight[q] * plain.k[g] : 0;
         if (plain.bound[q] > 0 && z > plain.bound[q]) kept += 1e-4 * plain.weight[q] * plain.k[g];
       }
+      for (int q = plain.first[g]; q < plain.first[g + 1]; ++q)
+        near_kink |= plain.bound[q] > 0 && plain.bound[q] < 1e-5;
       if (near_kink) continue;
+      const auto closer = plain.force(g, slip, gap_now - h), farther = plain.force(g, slip, gap_now + h);
+      EXPECT_NEAR(coupling(plain.row[g] + i),
+                  (c * (farther[0] - closer[0]) + s * (farther[1] - closer[1])) / (2 * h), 1e-7 * (1 + all));
+      num_coupled += coupling(plain.row[g] + i) != 0;
       const double along = -(c * (up[0] - down[0]) + s * (up[1] - down[1])) / (2 * h);
       EXPECT_NEAR(row.stiffness - kept, along, 1e-7 * (1 + all));
       if (plain.num_rows[g] < 2) continue;
@@ -222,6 +247,7 @@ TYPED_TEST(FrictionKernels, LinearForcesAreTangentToTheLaw) {
     }
   }
   EXPECT_GT(num_turned, 50) << "the case proves little";
+  EXPECT_GT(num_coupled, 50) << "the case proves little";
 }
 
 TYPED_TEST(FrictionKernels, ExcessIsTheLawLessTheLinearForce) {
@@ -230,18 +256,24 @@ TYPED_TEST(FrictionKernels, ExcessIsTheLawLessTheLinearForce) {
   const auto start = this->values_of(plain.change), step = this->values_of(plain.step);
   const typename TestFixture::Values excess("excess", plain.rows);
   constexpr double t = 0.3;
-  friction_excess(this->exec, this->groups(plain), f, start, step, t, excess);
+  friction_excess(this->exec, this->groups(plain), f, this->values_of(plain.gap_change),
+                  this->values_of(plain.gap_step), start, step, t, excess);
   const auto found = this->on_host(excess);
+  const typename TestFixture::Values coupled("coupled", plain.rows);
+  add_coupled_forces(this->exec, f, this->values_of(plain.gap_change), 0.5, coupled);
+  const auto of_gaps = this->on_host(coupled);
   for (int g = 0; g < 150; ++g) {
     std::vector<double> now(plain.rows);
     for (int r = 0; r < plain.rows; ++r) now[r] = plain.change[r] + t * plain.step[r];
-    const std::array<double, 2> force = plain.force(g, plain.by_tangents(g, now));
+    const double gap_now = plain.gap_change[g] + t * plain.gap_step[g];
+    const std::array<double, 2> force = plain.force(g, plain.by_tangents(g, now), gap_now);
     for (int i = 0; i < plain.num_rows[g]; ++i) {
       const TangentFrame& frame = plain.frame[g];
       const double by_law =
           i == 0 ? frame.cosine * force[0] + frame.sine * force[1] : -frame.sine * force[0] + frame.cosine * force[1];
       const int r = plain.row[g] + i;
-      EXPECT_NEAR(found(r), by_law - plain.linear[r].at(now[r]), rounding * 50);
+      EXPECT_NEAR(found(r), by_law - plain.linear_force(g, r, now[r], gap_now), rounding * 50);
+      EXPECT_NEAR(of_gaps(r), plain.coupling[r] * (plain.gap_change[g] - plain.old_gap[g]) / 0.5, rounding);
     }
   }
 }

@@ -304,5 +304,35 @@ TEST(FastOperator, GroupStiffnessCanBeChanged) {
   expect_equal<double>(z, y, "groups");
 }
 
+/// The force of a row that depends on the gap of another: in double only, what preconditions stays symmetric.
+TEST(FastOperator, CouplingOfRows) {
+  const CutCells cc = whole_cells({4, 4, 4}, 0);
+  ElasticSystem system = make_system(cc, 0.01);
+  std::vector<GroupRow> rows{{{{0, 0.5}, {1, -0.25}, {7, 1.5}}}, {{{4, 0.5}, {5, 0.75}}}, {{{8, 1}}}};
+  rows[1].coupled = 0;
+  rows[2].coupled = 1;
+  set_group_rows(system, rows);
+  set_group_stiffness(system, {2.0, 1.0, 0.0});
+  const RealView x = test::random_vector(system.num_dofs(), 1);
+  const RealView without("without", system.num_dofs()), y("y", system.num_dofs()), z("z", system.num_dofs());
+  PlainOperator(system).apply(ExecSpace(), x, without);
+  set_group_coupling(system, {0.0, 3.0, -0.7});
+  FastOperator<double> fast(system);
+  fast.apply(ExecSpace(), x, z);
+  PlainOperator(system).apply(ExecSpace(), x, y);
+  expect_equal<double>(z, y, "coupled");
+  // Only the DoFs of the rows that are coupled have forces more.
+  const double gap[2] = {0.5 * x(0) - 0.25 * x(1) + 1.5 * x(7), 0.5 * x(4) + 0.75 * x(5)};
+  const double more[3] = {3 * gap[0] * 0.5, 3 * gap[0] * 0.75, -0.7 * gap[1]};
+  const int dof[3] = {4, 5, 8};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(z(dof[i]) - without(dof[i]), more[i], 1e-13);
+  const Kokkos::View<float*, MemSpace> xf("xf", system.num_dofs()), yf("yf", system.num_dofs());
+  for (int i = 0; i < system.num_dofs(); ++i) xf(i) = static_cast<float>(x(i));
+  FastOperator<float>(system).apply(ExecSpace(), xf, yf);
+  expect_equal<float>(yf, without, "symmetric");
+  set_group_coupling(system, {0.0, 0.0, 0.0});
+  EXPECT_EQ(system.groups.coupling.extent(0), 0u) << "nothing to be unsymmetric";
+}
+
 }  // namespace
 }  // namespace cgcontact::test_fast_operator

@@ -42,6 +42,13 @@ struct Problem {
     add_rows(num_rows, part);
   }
 
+  /// Lets the force of every other row depend on the gap of the one before, elsewhere on the surface.
+  void couple() {
+    std::vector<double> coupling;
+    for (std::size_t r = 0; r < system.group_rows.size(); ++r) coupling.push_back(r % 2 == 0 ? 0.0 : 1.5);
+    set_group_coupling(system, coupling);
+  }
+
  private:
   void hold(int b) {
     const CutCells& body = cells[b];
@@ -77,6 +84,7 @@ struct Problem {
       const int other = static_cast<int>(last.cell_nodes.size()) - 1 - cell % static_cast<int>(last.cell_nodes.size());
       if (&last != &first) entries_of(last, other, -1, row);
       std::sort(row.entries.begin(), row.entries.end());
+      row.coupled = static_cast<int>(rows.size()) - 1;
       rows.push_back(std::move(row));
     }
     set_group_rows(system, rows);
@@ -126,6 +134,7 @@ std::unique_ptr<RankShare> share_of(const ElasticSystem& system) {
   auto share = std::make_unique<RankShare>(system, partition(system, num_ranks(), {}),
                                            std::vector<char>(system.num_nodes, 0), Tpetra::getDefaultComm());
   share->set_groups(system.group_rows, group_stiffness(system), false);
+  share->take_coupling(system);
   return share;
 }
 
@@ -232,7 +241,8 @@ TEST(Ranks, DisplacementsAreConsistent) {
 /// Rounding of sums in another order: 1e-13 of the whole.
 TEST(Ranks, OperatorIsThatOfTheWhole) {
   if (num_ranks() == 1) GTEST_SKIP() << "one rank";
-  for (const Problem& problem : problems()) {
+  for (Problem& problem : problems()) {
+    problem.couple();
     const auto share = share_of(problem.system);
     const RealView x = consistent(problem.system, test::random_vector(problem.system.num_dofs(), 5));
     const RealView expected = test::apply(problem.system, x);
@@ -398,26 +408,30 @@ TEST(Ranks, CycleIsThatOfTheWhole) {
   }
 }
 
+/// By CG, and by GMRES where rows are coupled.
 TEST(Ranks, SolutionIsThatOfTheWhole) {
   if (num_ranks() == 1) GTEST_SKIP() << "one rank";
-  for (const Problem& problem : problems()) {
-    const RealView b = random_force(problem.system, 7);
-    const double tolerance = 1e-10 * norm(b);
-    RealView solution[2];
-    int iterations[2];
-    for (const int divided : {0, 1}) {
-      LinearSolver solver(ExecSpace(), problem.system, Preconditioner::multigrid, divided ? 0 : 1 << 30);
-      solver.update();
-      solution[divided] = RealView("x", b.extent(0));
-      const LinearSolveResult result = solver.solve(b, solution[divided], tolerance, 200);
-      EXPECT_TRUE(result.converged) << problem.name;
-      iterations[divided] = result.iterations;
-      const double energy = solver.energy(solution[divided]);
-      EXPECT_NEAR(energy, test::dot(solution[divided], b), 1e-9 * energy) << problem.name;
+  for (Problem& problem : problems())
+    for (const bool coupled : {false, true}) {
+      if (coupled) problem.couple();
+      const std::string name = problem.name + (coupled ? ", coupled" : "");
+      const RealView b = random_force(problem.system, 7);
+      const double tolerance = 1e-10 * norm(b);
+      RealView solution[2];
+      int iterations[2];
+      for (const int divided : {0, 1}) {
+        LinearSolver solver(ExecSpace(), problem.system, Preconditioner::multigrid, divided ? 0 : 1 << 30);
+        solver.update();
+        solution[divided] = RealView("x", b.extent(0));
+        const LinearSolveResult result = solver.solve(b, solution[divided], tolerance, 200);
+        EXPECT_TRUE(result.converged) << name;
+        iterations[divided] = result.iterations;
+        const double energy = solver.energy(solution[divided]);
+        EXPECT_NEAR(energy, test::dot(solution[divided], b), 1e-9 * energy) << name;
+      }
+      EXPECT_NEAR(iterations[1], iterations[0], 1) << name;
+      EXPECT_LT(norm(difference(solution[1], solution[0])), 1e-7 * norm(solution[0])) << name;
     }
-    EXPECT_NEAR(iterations[1], iterations[0], 1) << problem.name;
-    EXPECT_LT(norm(difference(solution[1], solution[0])), 1e-7 * norm(solution[0])) << problem.name;
-  }
 }
 
 }  // namespace
