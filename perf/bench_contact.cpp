@@ -236,7 +236,7 @@ Kernel friction(int n) {
   friction.stress.modify_host();
   friction.stress.sync_device();
   take_pressures(ExecSpace(), c->groups, arrays, c->change);
-  set_bounds(ExecSpace(), c->groups, arrays, false);
+  set_bounds(ExecSpace(), c->groups, arrays, ShearBound::by_pressure);
   const auto run = [c, arrays, change] {
     linearise_friction(ExecSpace(), c->groups, arrays, c->change, RealView(change));
     ExecSpace().fence();

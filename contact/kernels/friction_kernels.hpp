@@ -134,10 +134,13 @@ void take_gaps(const Exec& exec, const ContactGroupArrays<Memory>& groups, const
 /// Bound of points that do not slip yet, Pa.
 constexpr double any_shear = 1e300;
 
-/// Sets the largest shear of the points: mu times their pressure, or anything (`stuck`) where they are closed.
+/// Largest shear of closed points.
+enum class ShearBound { none, by_pressure, any };
+
+/// Sets the largest shear of the points: with by_pressure mu times their pressure; of open ones nothing.
 template <class Exec, class Memory>
 void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
-                bool stuck) {
+                ShearBound of_closed) {
   static_assert(reaches<Exec, Memory>);
   Kokkos::parallel_for(
       "cgcontact::friction::bounds", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
@@ -145,8 +148,9 @@ void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, cons
         const int first = groups.first_point(friction.normal_group(f));
         for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
           const int point = first + q - friction.first_point(f);
-          const double most = stuck ? any_shear : friction.coefficient(f) * friction.pressure(q);
-          friction.bound(q) = groups.active(point) ? most : 0;
+          const double by_pressure = friction.coefficient(f) * friction.pressure(q);
+          const double most = of_closed == ShearBound::by_pressure ? by_pressure : any_shear;
+          friction.bound(q) = groups.active(point) && of_closed != ShearBound::none ? most : 0;
         }
       });
 }

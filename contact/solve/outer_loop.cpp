@@ -124,7 +124,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   } else if (now_.floating.any() && count_active(problem_.pairs) == 0) {
     initialise_active_set(now_);  // a step without loads has opened all
   }
-  now_.friction.begin_step(now_.groups(), now_.gap_change());
+  now_.friction.begin_step(now_.groups(), now_.gap_change(),
+                           now_.friction.any() && now_.floating.any() && now_.floating.slide_into_place());
   renew_friction();
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
@@ -213,10 +214,10 @@ double ContactSolver::Impl::renew_stress() {
   Friction& friction = now_.friction;
   const double change = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
   if (!friction.any()) return change;
-  const bool stuck = friction.is_stuck();
+  const bool released = friction.is_released();
   friction.release();
   renew_friction();
-  return stuck ? 1 : std::max(change, friction.residual());
+  return released ? std::max(change, friction.residual()) : 1;
 }
 
 void ContactSolver::Impl::renew_friction() {

@@ -22,6 +22,8 @@ constexpr double regularisation = 1e-9;
 constexpr double open_at_first = 0.1, open_falls = 0.1;
 /// Fractions of the loads and contact forces: forces in balance, and the aim where rounding allows.
 constexpr double balanced = 1e-6, well_balanced = 1e-11;
+/// Fraction of the largest resistance to rigid motions below which nothing holds them.
+constexpr double no_hold = 1e-3;
 /// Fraction of the loads that the exact normals of one side may leave over.
 constexpr double max_load_left = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
@@ -66,6 +68,8 @@ struct BodiesOnSprings {
   double gap(const Spring& s) const { return s.distance + s.change(motion); }
   /// Moves the bodies to the minimum. True: the forces are in balance.
   bool solve();
+  /// Returns whether the springs that press resist all motions of the bodies, each on a projection of these.
+  bool holds(const std::vector<Eigen::Matrix<double, 6, 6>>& free) const;
   Eigen::VectorXd unbalanced() const;
 
  private:
@@ -159,6 +163,21 @@ bool BodiesOnSprings::solve() {
   return unbalanced().norm() <= balanced * scale();
 }
 
+bool BodiesOnSprings::holds(const std::vector<Eigen::Matrix<double, 6, 6>>& free) const {
+  Eigen::MatrixXd resistance = Eigen::MatrixXd::Zero(load.size(), load.size());
+  for (const Spring& s : springs) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(load.size());
+    row.segment<6>(6 * s.first) = s.row_first;
+    if (s.second >= 0) row.segment<6>(6 * s.second) = s.row_second;
+    resistance += s.law.k * press(s, gap(s)).second * row * row.transpose();
+  }
+  const double largest = resistance.diagonal().maxCoeff();
+  for (std::size_t b = 0; b < free.size(); ++b)
+    resistance.block<6, 6>(6 * b, 6 * b) += largest * (Eigen::Matrix<double, 6, 6>::Identity() - free[b]);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(resistance, Eigen::EigenvaluesOnly);
+  return largest > 0 && eigen.eigenvalues()[0] > no_hold * largest;
+}
+
 /// Spring of a contact group along directions at its points, without these.
 template <class DirectionAt>
 Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& components,
@@ -179,6 +198,36 @@ Spring spring_along(const ContactPair& pair, const ContactGroup& group, const st
 
 Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidComponent>& components) {
   return spring_along(pair, group, components, [&](int q) { return pair.points.direction(q); });
+}
+
+/// Makes rigid bodies under loads on springs of the contact groups, on the motions that are free: along the normals and,
+/// if they stick, along the tangents of each group after these.
+BodiesOnSprings on_contact(const std::vector<ContactPair>& pairs, const std::vector<RigidComponent>& components,
+                           const std::vector<Eigen::Matrix<double, 6, 6>>& free, const Eigen::VectorXd& load, bool stick) {
+  BodiesOnSprings rigid;
+  rigid.load = load;
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  const auto add = [&](const ContactPair& pair, const ContactGroup& group, Spring spring) {
+    spring.row_first = free[pair.primary] * spring.row_first.eval();
+    spring.row_second = free[pair.secondary] * spring.row_second.eval();
+    spring.law.k *= softer;
+    spring.first_point = static_cast<int>(rigid.points.size());
+    rigid.points.push_back({group.area, 0});
+    spring.last_point = static_cast<int>(rigid.points.size());
+    rigid.springs.push_back(spring);
+  };
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring = spring_of(pair, group, components);
+      spring.distance = group.initial_gap;
+      add(pair, group, spring);
+      for (int i = 0; stick && i < pair.num_tangents; ++i) {
+        Spring along = spring_along(pair, group, components, [&](int q) { return pair.tangents(q)[i]; });
+        along.law.bonded = true;
+        add(pair, group, along);
+      }
+    }
+  return rigid;
 }
 
 /// Columns that span what a support's resistance leaves free, as a projection.
@@ -336,6 +385,27 @@ std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) co
     open[k] = !pair.bonded() && fastest > 0 && slowest > opens * fastest;
   }
   return open;
+}
+
+bool FloatingBodies::slide_into_place() const {
+  BodiesOnSprings free = on_contact(pairs_, components_, free_, load(), false),
+                  stuck = on_contact(pairs_, components_, free_, load(), true);
+  if (!free.solve() || !stuck.solve()) return false;
+  bool slides = false;
+  auto spring = stuck.springs.begin();
+  const auto force = [&] { return stuck.press(*spring, stuck.gap(*spring)).first; };
+  for (const ContactPair& pair : pairs_) {
+    double carried = 0, asked = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) {
+      carried += pair.friction() * force();
+      ++spring;
+      double square = 0;
+      for (int i = 0; i < pair.num_tangents; ++i, ++spring) square += std::pow(force(), 2);
+      asked += std::sqrt(square);
+    }
+    slides |= pair.num_tangents > 0 && asked > carried;
+  }
+  return slides && free.holds(free_);
 }
 
 FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {

@@ -49,6 +49,9 @@ class FloatingBodies {
   /// coarse cells the other points of a round body seem to lean on a plane that only its lowest one touches. Returns
   /// empty, or the motion that nothing stops.
   FreeMotions not_stopped_by_the_other_side() const;
+  /// Returns whether the loads of the present step ask more than friction carries where closed contact sticks, while
+  /// contact without friction stops all bodies and leaves none a motion: wedges do, blocks on inclines do not.
+  bool slide_into_place() const;
   /// Returns for each pair whether its contact opens completely as the loads move the bodies along these motions.
   std::vector<char> pairs_that_open(const FreeMotions& motions) const;
 

@@ -101,7 +101,8 @@ void Friction::forget() {
   stress.modify_host();
   stress.sync_device();
   residual_ = 1;
-  stuck_ = new_step_ = true;
+  bound_ = ShearBound::any;
+  new_step_ = first_step_ = true;
   history_.clear();
   for (const ContactPair& pair : problem_.pairs) {
     const std::size_t count = pair.num_tangents > 0 ? pair.points.size() : 0;
@@ -167,8 +168,8 @@ void Friction::put_into(const ContactGroupArrays<MemSpace>& groups) const {
   Kokkos::deep_copy(Kokkos::subview(groups.zone, rows), arrays_.linear);
 }
 
-void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
-  stuck_ = true;
+void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change, bool slide) {
+  bound_ = first_step_ && slide ? ShearBound::none : ShearBound::any;
   if (!any() || !std::exchange(new_step_, false)) return;
   take_gaps(problem_.exec, groups, arrays_, change);
   problem_.exec.fence();
@@ -220,7 +221,7 @@ bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView&
   if (!any()) return false;
   stress.sync_device();
   take_pressures(problem_.exec, groups, arrays_, change);
-  set_bounds(problem_.exec, groups, arrays_, stuck_);
+  set_bounds(problem_.exec, groups, arrays_, bound_);
   take_drifts(groups);
   linearise_friction(problem_.exec, groups, arrays_, change, of_friction(change));
   problem_.exec.fence();
@@ -284,7 +285,7 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
   const std::vector<double> before = asked_;
   asked_.assign(problem_.pairs.size(), 0.0);
   sliding_.assign(problem_.pairs.size(), 0.0);
-  if (stuck_) return;
+  if (!is_released()) return;
   const Now state = now(groups, change);
   const auto mismatch = host_of(arrays_.mismatch);
   const auto bound = host_of(arrays_.bound);
@@ -329,6 +330,7 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
 void Friction::end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   if (!any()) return;
   new_step_ = true;
+  first_step_ = false;
   const Now last = now(groups, change);
   history_ = with_step(last);
   Kokkos::deep_copy(arrays_.reference, last.new_reference);

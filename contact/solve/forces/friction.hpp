@@ -1,7 +1,7 @@
 /// Friction in the outer iteration: Coulomb's law with the recovered shear lagged, like the pressure. Each iteration
 /// takes one Newton step of normal and shear together, whose matrix is not symmetric where points slip: mu p follows
-/// the gap (docs/theory.md). All closed points stick in the first solve of a load step, from where they stuck at the
-/// end of the last one.
+/// the gap (docs/theory.md). In the first solve of a load step all closed points stick, from where they stuck at the end
+/// of the last one; or none of them, where there was none and bodies slide into place (wedges).
 #pragma once
 
 #include <Kokkos_DualView.hpp>
@@ -31,17 +31,18 @@ class Friction {
 
   /// Resets slip and shear to zero.
   void forget();
-  /// Makes closed points stick, until release(). change: as below, from which gaps close in this step.
-  void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
-  bool is_stuck() const { return stuck_; }
-  void release() { stuck_ = false; }
+  /// Makes closed points stick, until release(), or slide freely in the first step (`slide`).
+  /// change: as below, from which gaps close in this step.
+  void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change, bool slide);
+  bool is_released() const { return bound_ == ShearBound::by_pressure; }
+  void release() { bound_ = ShearBound::by_pressure; }
 
   /// Renews pressures, bounds, and forces that are linear about the present slip. change: of the gaps of all rows, m.
   /// True: rows of the system have turned.
   bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
   /// Returns the distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while
-  /// points are held. RMS over the area.
-  double residual() const { return stuck_ ? 1 : residual_; }
+  /// points are not released. RMS over the area.
+  double residual() const { return is_released() ? residual_ : 1; }
   /// Returns, for pairs all of whose closed points slip while the loads exceed what friction carries
   /// (use_of_friction()) by the same from iteration to iteration, that excess relative to it. 0: the pair holds.
   const std::vector<double>& sliding() const { return sliding_; }
@@ -83,8 +84,9 @@ class Friction {
   std::vector<TangentFrame> frames_;                ///< those that the rows of the system have
   std::vector<std::vector<SymmetryPlane>> planes_;  ///< of symmetry, of each pair
   int first_row_ = 0;
-  bool stuck_ = true;
+  ShearBound bound_ = ShearBound::any;
   bool new_step_ = true;  ///< a step may be solved several times, under several preloads
+  bool first_step_ = true;
   double residual_ = 1;
   std::vector<double> sliding_, asked_;  ///< of each pair
   std::vector<FrictionPoints> history_;  ///< of each pair, with the steps that have ended
