@@ -2,7 +2,7 @@
 ///
 /// Supports: lambda = d . sigma* n - kappa E/h (u . d - g). Contact: p = [p* - kappa E/h gap]_+, the gap projected per
 /// group, p* the weighted mean of both bodies' recovered pressures. sigma* is that of the previous outer iterate, so
-/// each linear system is symmetric positive definite.
+/// each linear system is symmetric positive definite but where friction slips.
 #pragma once
 
 #include <functional>

@@ -1,0 +1,159 @@
+/// Sliding whose pressure depends on the friction itself: wedges, inclines steeper than 45 degrees, soft pads. With mu p
+/// lagged behind the pressure none of these converges.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/numbers/types.hpp"
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact::test_friction_sliding {
+namespace {
+
+/// Errors relative to the largest force: ten times the program's outer tolerance.
+constexpr double settled = 1e-5;
+
+const FrictionFigures& friction(const Results& r) { return *r.pairs[0].friction; }
+
+/// Half of a wedge (8 degrees) that a force F drives in, F = N sin + mu N cos, then let go in two steps: it stays, since
+/// tan(8 degrees) < mu, and without load asks for tan(8 degrees) of the pressure.
+TEST(FrictionSlides, DrivenWedge) {
+  constexpr double force = 1000, mu = 0.2, angle = 8 * pi / 180;
+  for (const double offset : {0.3, 0.7}) {
+    const auto solved = test::run_text(fmt::format(R"(
+plane_strain = "x"
+[parameters]
+angle = "8 deg"
+[[body]]
+name = "wedge"
+material = {{E = 210e9, nu = 0.3}}
+cell_size = 0.00025
+grid = {{offset = [0.1, {0}, 0.3]}}
+[body.shape.extrude]
+x = [0, 1, 0]
+normal = [1, 0, 0]
+height = 0.0002
+profile = [
+  [0, 0],
+  [0.004, 0],
+  {{to = ["0.004+0.02*tan(angle)", 0.02], name = "flank"}},
+  {{to = [0, 0.02], name = "head"}},
+  {{to = [0, 0], name = "middle"}},
+]
+[[body]]
+name = "block"
+material = {{E = 210e9, nu = 0.3}}
+cell_size = 0.0002325
+grid = {{offset = [0.1, {1}, 0.2]}}
+[body.shape.extrude]
+x = [0, 1, 0]
+normal = [1, 0, 0]
+height = 0.0002
+profile = [
+  ["0.004-0.004*tan(angle)", -0.004],
+  [0.02, -0.004],
+  {{to = [0.02, 0.016], name = "side"}},
+  ["0.004+0.016*tan(angle)", 0.016],
+  {{to = ["0.004-0.004*tan(angle)", -0.004], name = "flank"}},
+]
+[[support]]
+face = "wedge.middle"
+symmetry = true
+[[support]]
+face = "block.side"
+displacement = {{y = 0, z = 0}}
+[[load]]
+face = "wedge.head"
+force = [0, 0, {2}]
+steps = [1, 0]
+[[contact]]
+faces = ["wedge.flank", "block.flank"]
+friction = {3}
+)",
+                                                   offset, 0.7 * offset, -force, mu),
+                                       {});
+    const Results& r = solved->results();
+    ASSERT_TRUE(r.converged) << r.diagnosis;
+    const double pressed = force / (std::sin(angle) + mu * std::cos(angle));
+    EXPECT_NEAR(r.steps[0].pairs[0].zone.normal_force / pressed, 1, settled) << offset;
+    EXPECT_EQ(r.steps[0].pairs[0].friction->stick_area, 0) << "it slides in all over";
+    EXPECT_NEAR(*friction(r).use / (std::tan(angle) / mu), 1, settled) << offset;
+  }
+}
+
+/// A block on an incline of 48 degrees, mu = 1.2: it holds, and asks for tan(48 degrees) of the pressure.
+TEST(FrictionSlides, SteepIncline) {
+  const auto solved = test::run_text(R"(
+plane_strain = "x"
+gravity = [0, 0, -9.81]
+[[material]]
+name = "m"
+E = 200e9
+nu = 0.3
+density = 7800
+[[body]]
+name = "plane"
+material = "m"
+shape = {name = "p", box = {min = [0, 0, -0.008], max = [0.0007, 0.06, 0]}, rotate = {axis = [1, 0, 0], angle = 48}}
+cell_size = 0.0013
+grid = {offset = [0, 0.31, 0.62], rotation = {axis = [1, 0, 0], angle = 7}}
+[[body]]
+name = "block"
+material = "m"
+shape = {name = "b", box = {min = [0, 0.02, 0], max = [0.0007, 0.04, 0.006]}, rotate = {axis = [1, 0, 0], angle = 48}}
+cell_size = 0.001
+grid = {offset = [0, 0.17, 0.45], rotation = {axis = [1, 0, 0], angle = -23}}
+[[support]]
+face = "plane.p.z-"
+displacement = {y = 0, z = 0}
+[[contact]]
+faces = ["block.b.z-", "plane.p.z+"]
+friction = 1.2
+)",
+                                     {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_NEAR(*friction(r).use / (std::tan(48 * pi / 180) / 1.2), 1, settled);
+}
+
+/// A soft pad that is pressed by 2 % and pulled along by 2 mm of its 10: it tilts, and slides with all that it carries.
+TEST(FrictionSlides, SoftPad) {
+  const auto solved = test::run_text(R"(
+plane_strain = "x"
+[[body]]
+name = "plate"
+material = "steel"
+shape = {box = {min = [0, -0.01, -0.008], max = [0.0007, 0.05, 0]}}
+cell_size = 0.0013
+grid = {offset = [0, 0.31, 0.62]}
+[[body]]
+name = "pad"
+material = {E = 3e6, nu = 0.45}
+shape = {box = {min = [0, 0, 0], max = [0.0007, 0.04, 0.01]}}
+cell_size = 0.001
+grid = {offset = [0, 0.17, 0.45]}
+[[support]]
+face = "plate.z-"
+displacement = {y = 0, z = 0}
+[[support]]
+face = "pad.z+"
+displacement = {z = -0.0002}
+[[support]]
+face = "pad.z+"
+displacement = {y = 0.002}
+steps = [0, 0.5, 1]
+[[contact]]
+faces = ["pad.z-", "plate.z+"]
+friction = 0.6
+)",
+                                     {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const auto& pair = r.pairs[0];
+  EXPECT_NEAR(std::abs(friction(r).force[1]) / (0.6 * pair.zone.normal_force), 1, settled);
+  EXPECT_EQ(friction(r).stick_area, 0);
+}
+
+}  // namespace
+}  // namespace cgcontact::test_friction_sliding
