@@ -168,7 +168,6 @@ template <class Memory>
 KOKKOS_INLINE_FUNCTION GroupFriction force_of_law(const ContactGroupArrays<Memory>& groups,
                                                   const FrictionArrays<Memory>& friction, int f, double gap_change,
                                                   const double slip[2]) {
-  constexpr double held = 1e-4;  // docs/decisions.md: less converges sooner close to sliding, but shows it less well
   const int g = friction.normal_group(f), first = groups.first_point(g) - friction.first_point(f);
   const double k = groups.law(g).k, gap = groups.initial_gap(g) + gap_change;
   GroupFriction sum;
@@ -186,9 +185,9 @@ KOKKOS_INLINE_FUNCTION GroupFriction force_of_law(const ContactGroupArrays<Memor
       sum.force[i] += w * fraction * law.z[i];
       if (!law.sticks(bound)) sum.coupling[i] -= w * friction.coefficient(f) * k * law.z[i] / law.size();
     }
-    sum.stiffness[0] += w * law.stiffness(bound, held, 0, 0);
-    sum.stiffness[1] += w * law.stiffness(bound, held, 0, 1);
-    sum.stiffness[2] += w * law.stiffness(bound, held, 1, 1);
+    sum.stiffness[0] += w * law.stiffness(bound, held_in_slip, 0, 0);
+    sum.stiffness[1] += w * law.stiffness(bound, held_in_slip, 0, 1);
+    sum.stiffness[2] += w * law.stiffness(bound, held_in_slip, 1, 1);
   }
   return sum;
 }

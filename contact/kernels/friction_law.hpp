@@ -7,6 +7,10 @@
 
 namespace cgcontact {
 
+/// Fraction of k that a point which slips keeps in the matrix, so that a body which slides leaves it regular.
+/// docs/decisions.md: less converges sooner close to sliding, but shows it less well.
+constexpr double held_in_slip = 1e-4;
+
 /// tau = z where |z| <= b (it sticks), else b z/|z| (it slips), with the trial z = t* - k (s - s_p): t* lagged shear
 /// (Pa), s slip of the second body against the first (m), s_p where it stuck last (m), b = mu p (Pa). What acts on the
 /// second body. The energy per area, whose derivative to s is -tau, is convex while t*, s_p and b stay.

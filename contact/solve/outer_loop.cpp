@@ -65,7 +65,7 @@ struct ContactSolver::Impl {
   bool drift_exceeded() const;
   bool keeps_drifting(const std::vector<double>& residuals) const;
   bool contact_holds_floating_bodies();
-  bool balance_floating_bodies();
+  FreeMotions balance_floating_bodies();
   void polish(OuterResult& result);
   OuterResult end(int iteration, const std::string& why, OuterResult result) const;
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
@@ -164,7 +164,12 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (search) step.length = search_along_step(solver_, before, now_);
     const double spring_force = now_.spring_force();
     held = !now_.floating.any() || contact_holds_floating_bodies();
-    if (!unbalanced_.empty() || (!held && !balance_floating_bodies())) {
+    const bool rubs = now_.floating.any() && now_.friction.any() && now_.friction.is_released();
+    if (unbalanced_.empty() && (!held || rubs)) {
+      const FreeMotions unbalanced = balance_floating_bodies();
+      if (!held) unbalanced_ = unbalanced;  // what is beyond friction slides, as the law then tells
+    }
+    if (!unbalanced_.empty()) {
       update_active_set(now_, false);
       return stop(iteration, describe_separation(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()),
                   result);
@@ -322,8 +327,9 @@ bool ContactSolver::Impl::contact_holds_floating_bodies() {
 
 void ContactSolver::Impl::end_step() { now_.friction.end_step(now_.groups(), now_.gap_change()); }
 
-/// Moves the bodies that contact alone holds to where its forces balance the loads. False: nothing stops one.
-bool ContactSolver::Impl::balance_floating_bodies() {
+/// Moves the bodies that contact alone holds to where its forces balance the loads; with friction also those that it
+/// holds, since a step along faces that slip overshoots. Returns what nothing stops.
+FreeMotions ContactSolver::Impl::balance_floating_bodies() {
   now_.set_rigid_motions_aside();
   std::vector<double> gap = now_.group_gap_change();
   std::vector<double> stress(now_.contact_stress.h_view.extent(0));
@@ -331,16 +337,15 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   std::size_t group = 0;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
-  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones, now_.friction.rows(now_.gap_change()));
-  unbalanced_ = balance.unbalanced;
-  if (!balance.found) return false;
+  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones, now_.friction.laws(now_.groups(), now_.gap_change()));
+  if (!balance.found) return balance.unbalanced;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
     const RigidComponent& component = now_.floating.components()[b];
     now_.body_motions.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / component.size(),
                            component.centre());
   }
   now_.set_rigid_motions_aside();
-  return true;
+  return {};
 }
 
 /// The force in the right-hand side exceeds that of the solution by orders: how accurate it is to be is known

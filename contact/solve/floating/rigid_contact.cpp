@@ -1,10 +1,10 @@
 #include "contact/solve/floating/rigid_contact.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "contact/model/surface_normals.hpp"
+#include "contact/solve/floating/bodies_on_springs.hpp"
 #include "core/base/numbers/decompositions.hpp"
 
 namespace cgcontact {
@@ -15,168 +15,8 @@ constexpr double softer = 0.01;
 /// Fraction of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press
 /// it.
 constexpr double along_faces = 1e-3;
-/// Fraction of the largest diagonal entry that is added: motions that nothing resists stay where they are.
-constexpr double regularisation = 1e-9;
-/// Fraction of their stiffness that open springs have in the first steps, so that a body which nothing presses yet is
-/// not sent off to where the first one stops it, and its factor per whole step.
-constexpr double open_at_first = 0.1, open_falls = 0.1;
-/// Fractions of the loads and contact forces: forces in balance, and the aim where rounding allows.
-constexpr double balanced = 1e-6, well_balanced = 1e-11;
-/// Fraction of the largest resistance to rigid motions below which nothing holds them.
-constexpr double no_hold = 1e-3;
 /// Fraction of the loads that the exact normals of one side may leave over.
 constexpr double max_load_left = 0.02;
-/// Steps; beyond `many_steps` what is balanced is good enough.
-constexpr int max_steps = 100, many_steps = 30, max_halvings = 80;
-
-/// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
-struct Spring {
-  int first = 0, second = -1;
-  NormalContact law;
-  RigidMotion row_first = RigidMotion::Zero(), row_second = RigidMotion::Zero();
-  double distance = 0;  ///< m
-  int first_point = 0, last_point = 0;
-
-  double change(const Eigen::VectorXd& motion) const {
-    double sum = row_first.dot(motion.segment<6>(6 * first));
-    if (second >= 0) sum += row_second.dot(motion.segment<6>(6 * second));
-    return sum;
-  }
-};
-
-struct SpringPoint {
-  double weight = 0, stress = 0;  ///< m^2, Pa
-};
-
-/// Rigid bodies between springs, under loads: convex and piecewise quadratic.
-struct BodiesOnSprings {
-  std::vector<Spring> springs;
-  std::vector<SpringPoint> points;
-  Eigen::VectorXd load, motion;
-
-  /// Returns the force of one spring, N, and the area that presses, m^2.
-  std::pair<double, double> press(const Spring& s, double gap) const {
-    double force = 0, area = 0;
-    for (int q = s.first_point; q < s.last_point; ++q) {
-      const double p = s.law.closed_pressure(points[q].stress, gap);
-      if (!s.law.is_closed(p)) continue;
-      force += points[q].weight * p;
-      area += points[q].weight;
-    }
-    return {force, area};
-  }
-  double gap(const Spring& s) const { return s.distance + s.change(motion); }
-  /// Moves the bodies to the minimum. True: the forces are in balance.
-  bool solve();
-  /// Returns whether the springs that press resist all motions of the bodies, each on a projection of these.
-  bool holds(const std::vector<Eigen::Matrix<double, 6, 6>>& free) const;
-  Eigen::VectorXd unbalanced() const;
-
- private:
-  Eigen::VectorXd newton_step(const Eigen::VectorXd& force, double open) const;
-  double step_length(const Eigen::VectorXd& step) const;
-  double scale() const;
-};
-
-/// Sum of all forces on the bodies.
-Eigen::VectorXd BodiesOnSprings::unbalanced() const {
-  Eigen::VectorXd sum = load;
-  for (const Spring& s : springs) {
-    const double force = press(s, gap(s)).first;
-    if (force == 0) continue;
-    sum.segment<6>(6 * s.first) += force * s.row_first;
-    if (s.second >= 0) sum.segment<6>(6 * s.second) += force * s.row_second;
-  }
-  return sum;
-}
-
-double BodiesOnSprings::scale() const {
-  double sum = load.norm();
-  for (const Spring& s : springs) sum += std::abs(press(s, gap(s)).first);
-  return sum;
-}
-
-/// Returns a Newton step; open: fraction of their stiffness that open springs have.
-Eigen::VectorXd BodiesOnSprings::newton_step(const Eigen::VectorXd& force, double open) const {
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<Eigen::Matrix<double, 6, 6>> diagonal(load.size() / 6, Eigen::Matrix<double, 6, 6>::Zero());
-  const auto add = [&](int i, int j, const Eigen::Matrix<double, 6, 6>& block) {
-    for (int r = 0; r < 6; ++r)
-      for (int c = 0; c < 6; ++c) entries.emplace_back(6 * i + r, 6 * j + c, block(r, c));
-  };
-  double largest = 0;  // of one spring, so that there is one if none acts
-  for (const Spring& s : springs) {
-    double all = 0;
-    for (int q = s.first_point; q < s.last_point; ++q) all += points[q].weight;
-    largest = std::max(largest, s.law.k * all);
-    const double pressing = press(s, gap(s)).second;
-    const double k = s.law.k * (pressing + open * (all - pressing));
-    if (k == 0) continue;
-    diagonal[s.first] += k * s.row_first * s.row_first.transpose();
-    if (s.second < 0) continue;
-    diagonal[s.second] += k * s.row_second * s.row_second.transpose();
-    const Eigen::Matrix<double, 6, 6> between = k * s.row_first * s.row_second.transpose();
-    add(s.first, s.second, between);
-    add(s.second, s.first, between.transpose());
-  }
-  for (std::size_t b = 0; b < diagonal.size(); ++b) {
-    diagonal[b].diagonal().array() += regularisation * largest;
-    add(static_cast<int>(b), static_cast<int>(b), diagonal[b]);
-  }
-  Eigen::SparseMatrix<double> matrix(load.size(), load.size());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(force);
-}
-
-/// Returns the position of least energy along the step, up to its end: the slope of the energy grows.
-double BodiesOnSprings::step_length(const Eigen::VectorXd& step) const {
-  std::vector<std::pair<double, double>> gaps;  // now, and its change along the step
-  gaps.reserve(springs.size());
-  for (const Spring& s : springs) gaps.emplace_back(gap(s), s.change(step));
-  const double work = load.dot(step);
-  const auto slope = [&](double t) {
-    double sum = -work;
-    for (std::size_t k = 0; k < springs.size(); ++k)
-      if (gaps[k].second != 0) sum -= press(springs[k], gaps[k].first + t * gaps[k].second).first * gaps[k].second;
-    return sum;
-  };
-  double low = 0, high = 1;
-  if (slope(high) <= 0) return high;
-  for (int k = 0; k < max_halvings && high - low > 1e-12 * high; ++k) {
-    const double middle = 0.5 * (low + high);
-    (slope(middle) <= 0 ? low : high) = middle;
-  }
-  return high;
-}
-
-bool BodiesOnSprings::solve() {
-  double open = open_at_first;
-  for (int k = 0; k < max_steps; ++k) {
-    const Eigen::VectorXd now = unbalanced();
-    if (now.norm() <= (k < many_steps ? well_balanced : balanced) * scale()) return true;
-    const Eigen::VectorXd step = newton_step(now, open);
-    if (!step.allFinite()) return false;
-    const double length = step_length(step);
-    motion += length * step;
-    if (length == 1) open = std::max(open_falls * open, regularisation);
-  }
-  return unbalanced().norm() <= balanced * scale();
-}
-
-bool BodiesOnSprings::holds(const std::vector<Eigen::Matrix<double, 6, 6>>& free) const {
-  Eigen::MatrixXd resistance = Eigen::MatrixXd::Zero(load.size(), load.size());
-  for (const Spring& s : springs) {
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(load.size());
-    row.segment<6>(6 * s.first) = s.row_first;
-    if (s.second >= 0) row.segment<6>(6 * s.second) = s.row_second;
-    resistance += s.law.k * press(s, gap(s)).second * row * row.transpose();
-  }
-  const double largest = resistance.diagonal().maxCoeff();
-  for (std::size_t b = 0; b < free.size(); ++b)
-    resistance.block<6, 6>(6 * b, 6 * b) += largest * (Eigen::Matrix<double, 6, 6>::Identity() - free[b]);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(resistance, Eigen::EigenvaluesOnly);
-  return largest > 0 && eigen.eigenvalues()[0] > no_hold * largest;
-}
 
 /// Spring of a contact group along directions at its points, without these.
 template <class DirectionAt>
@@ -190,8 +30,8 @@ Spring spring_along(const ContactPair& pair, const ContactGroup& group, const st
     const Vec3 x = pair.points.x(q), direction = direction_at(q);
     const double share = pair.points.weight(q) / group.area;
     // p acts on the primary body against its normal.
-    spring.row_first -= share * components[pair.primary].row(x, direction);
-    spring.row_second += share * components[pair.secondary].row(x, direction);
+    spring.row.first -= share * components[pair.primary].row(x, direction);
+    spring.row.second += share * components[pair.secondary].row(x, direction);
   }
   return spring;
 }
@@ -208,8 +48,8 @@ BodiesOnSprings on_contact(const std::vector<ContactPair>& pairs, const std::vec
   rigid.load = load;
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
   const auto add = [&](const ContactPair& pair, const ContactGroup& group, Spring spring) {
-    spring.row_first = free[pair.primary] * spring.row_first.eval();
-    spring.row_second = free[pair.secondary] * spring.row_second.eval();
+    spring.row.first = free[pair.primary] * spring.row.first.eval();
+    spring.row.second = free[pair.secondary] * spring.row.second.eval();
     spring.law.k *= softer;
     spring.first_point = static_cast<int>(rigid.points.size());
     rigid.points.push_back({group.area, 0});
@@ -272,7 +112,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
     if (p.follows) continue;
     Spring spring;
     spring.first = p.body;
-    spring.row_first = components[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    spring.row.first = components[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     spring.law = {stiffest, true};
     spring.distance = -p.value;
     add(spring, p.weight);
@@ -425,14 +265,14 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
         if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
         if (pair.bonded()) n = point.direction;
         const double share = point.weight / group.area;
-        spring.row_first += share * free_[pair.primary] * components_[pair.primary].row(point.x, n);
-        spring.row_second -= share * free_[pair.secondary] * components_[pair.secondary].row(point.x, n);
+        spring.row.first += share * free_[pair.primary] * components_[pair.primary].row(point.x, n);
+        spring.row.second -= share * free_[pair.secondary] * components_[pair.secondary].row(point.x, n);
       }
       for (int i = 0; i < pair.num_tangents; ++i) {
         Spring along = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; });
         along.law.bonded = true;
-        along.row_first = free_[pair.primary] * along.row_first.eval();
-        along.row_second = free_[pair.secondary] * along.row_second.eval();
+        along.row.first = free_[pair.primary] * along.row.first.eval();
+        along.row.second = free_[pair.secondary] * along.row.second.eval();
         along.first_point = static_cast<int>(rigid.points.size());
         rigid.points.push_back({group.area, 0});
         along.last_point = static_cast<int>(rigid.points.size());
@@ -453,7 +293,7 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
 
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
                                                 const SmallZones& small_zones,
-                                                const std::vector<FrictionRow>& friction) const {
+                                                const std::vector<FrictionGroup>& friction) const {
   BodiesOnSprings rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
@@ -463,8 +303,8 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
     for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), *lagged++});
     for (const ContactGroup& group : pair.groups) {
       Spring spring = spring_of(pair, group, components_);
-      spring.row_first = free_[pair.primary] * spring.row_first.eval();
-      spring.row_second = free_[pair.secondary] * spring.row_second.eval();
+      spring.row.first = free_[pair.primary] * spring.row.first.eval();
+      spring.row.second = free_[pair.secondary] * spring.row.second.eval();
       spring.distance = gap[rigid.springs.size()];
       spring.first_point = first_point + group.first_point;
       spring.last_point = first_point + group.last_point;
@@ -477,20 +317,16 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
       rigid.springs.push_back(spring);
     }
   }
-  for (const FrictionRow& row : friction) {
-    const ContactPair& pair = pairs_[row.pair];
-    Spring spring = spring_along(pair, pair.groups[row.group], components_, [&](int q) {
-      const std::array<Vec3, 2> along = pair.tangents(q);
-      return Vec3(row.along[0] * along[0] + row.along[1] * along[1]);
-    });
-    spring.row_first = free_[pair.primary] * spring.row_first.eval();
-    spring.row_second = free_[pair.secondary] * spring.row_second.eval();
-    spring.law = {row.linear.stiffness, true};
-    spring.distance = gap[rigid.springs.size()];
-    spring.first_point = static_cast<int>(rigid.points.size());
-    rigid.points.push_back({1, row.linear.at(0)});
-    spring.last_point = static_cast<int>(rigid.points.size());
-    rigid.springs.push_back(spring);
+  for (const FrictionGroup& law : friction) {
+    const ContactPair& pair = pairs_[law.pair];
+    Rubbing rubbing{pair.primary, pair.secondary, {}, &law};
+    for (int i = 0; i < pair.num_tangents; ++i) {
+      const ContactGroup& group = pair.groups[law.group];
+      const RowOnMotions row =
+          spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
+      rubbing.along[i] = {free_[pair.primary] * row.first, free_[pair.secondary] * row.second};
+    }
+    rigid.rubbing.push_back(rubbing);
   }
   Balance result;
   result.found = rigid.solve();

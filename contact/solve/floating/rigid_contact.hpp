@@ -39,9 +39,9 @@ class FloatingBodies {
   ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
   /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
   /// the points of all pairs, Pa.
-  /// Groups in small zones press as those say instead; friction holds by its linear forces (gap: then of its rows).
+  /// Groups in small zones press as those say instead; friction follows its law with the present bounds.
   Balance balance(const std::vector<double>& gap, const std::vector<double>& stress, const SmallZones& small_zones,
-                  const std::vector<FrictionRow>& friction) const;
+                  const std::vector<FrictionGroup>& friction) const;
   /// Returns for each pair whether prescribed motions give its force. A floating body without loads (its own, or of
   /// those that it may touch and that float too) is squeezed, if it carries anything.
   std::vector<DisplacementDriven> displacement_driven_pairs() const;

@@ -140,22 +140,35 @@ std::vector<double> Friction::coupling() const {
   return all;
 }
 
-std::vector<FrictionRow> Friction::rows(const RealView& change) const {
-  const auto linear = host_of(arrays_.linear);
-  const RealView gaps("cgcontact::friction::of_gaps", num_rows());
-  cgcontact::add_coupled_forces(problem_.exec, arrays_, change, 1, gaps);
+std::vector<FrictionGroup> Friction::laws(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
+  std::vector<FrictionGroup> all;
+  if (!any()) return all;
+  FrictionArrays<MemSpace> now = arrays_;
+  now.pressure = RealView("cgcontact::friction::pressure_now", arrays_.pressure.extent(0));
+  now.bound = RealView("cgcontact::friction::bound_now", arrays_.bound.extent(0));
+  take_pressures(problem_.exec, groups, now, change);
+  set_bounds(problem_.exec, groups, now, bound_);
   problem_.exec.fence();
-  const auto of_gaps = host_of(gaps);
-  std::vector<FrictionRow> all;
-  std::size_t f = 0;
+  const auto bound = host_of(now.bound), weight = host_of(arrays_.weight), approach = host_of(arrays_.approach);
+  const auto lagged = host_of(arrays_.lagged), reference = host_of(arrays_.reference), drift = host_of(arrays_.drift);
+  const auto slips = host_of(of_friction(change));
+  std::size_t f = 0, point = 0;
+  int row = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     for (std::size_t g = 0; g < pair.groups.size() && pair.num_tangents > 0; ++g, ++f) {
-      for (int i = 0; i < pair.num_tangents; ++i) {
-        ZoneForce now = linear(all.size());
-        now.force += of_gaps(all.size());
-        all.push_back({k, g, {frames_[f].along(i, 0), frames_[f].along(i, 1)}, now});
+      FrictionGroup group{k, g, pair.stiffness(pair.groups[g]), {0, 0}, {}};
+      for (int i = 0; i < pair.num_tangents; ++i, ++row)
+        for (int t = 0; t < 2; ++t) group.slip[t] += frames_[f].along(i, t) * slips(row);
+      for (int q = pair.groups[g].first_point; q < pair.groups[g].last_point; ++q, ++point) {
+        FrictionGroup::Point p{weight(point), bound(point), {}, {}};
+        for (int t = 0; t < 2; ++t) {
+          p.lagged[t] = lagged(point, t) * arrays_.lagged_unit;
+          p.held[t] = reference(point, t) + approach(f) * drift(f, t);
+        }
+        if (p.bound > 0) group.points.push_back(p);
       }
+      all.push_back(std::move(group));
     }
   }
   return all;

@@ -12,11 +12,16 @@
 
 namespace cgcontact {
 
-/// Row of friction on the host.
-struct FrictionRow {
+/// Law of a group's points on the host, with the bounds of the present gap.
+struct FrictionGroup {
+  struct Point {
+    double weight, bound;       ///< m^2, Pa
+    double lagged[2], held[2];  ///< by tangents, Pa, m
+  };
   std::size_t pair, group;  ///< group: of the pair
-  double along[2];          ///< its direction at a point, by the tangents there
-  ZoneForce linear;         ///< at the present gap
+  double k;                 ///< Pa/m
+  double slip[2];           ///< by tangents, m
+  std::vector<Point> points;
 };
 
 class Friction {
@@ -56,8 +61,8 @@ class Friction {
   /// Returns the force of all rows per gap of their group, N/m, less where that resists (as stiffness); empty: none has
   /// any.
   std::vector<double> coupling() const;
-  /// Returns the rows. change: as above.
-  std::vector<FrictionRow> rows(const RealView& change) const;
+  /// Returns the law of all groups. change: as above.
+  std::vector<FrictionGroup> laws(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
   /// Puts in the linear forces as those of groups that have no points, behind all others.
   void put_into(const ContactGroupArrays<MemSpace>& groups) const;
 
