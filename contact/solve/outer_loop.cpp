@@ -163,12 +163,10 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
                   result);
     if (search) step.length = search_along_step(solver_, before, now_);
     const double spring_force = now_.spring_force();
+    // What is beyond friction then slides, as its law tells.
+    if (now_.floating.any() && now_.friction.any() && now_.friction.is_released()) balance_floating_bodies();
     held = !now_.floating.any() || contact_holds_floating_bodies();
-    const bool rubs = now_.floating.any() && now_.friction.any() && now_.friction.is_released();
-    if (unbalanced_.empty() && (!held || rubs)) {
-      const FreeMotions unbalanced = balance_floating_bodies();
-      if (!held) unbalanced_ = unbalanced;  // what is beyond friction slides, as the law then tells
-    }
+    if (unbalanced_.empty() && !held) unbalanced_ = balance_floating_bodies();
     if (!unbalanced_.empty()) {
       update_active_set(now_, false);
       return stop(iteration, describe_separation(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()),
