@@ -52,6 +52,11 @@ AlongFace along_face(const FrictionLimit& point, const Vec3& r) {
 
 }  // namespace
 
+ContactSymmetry contact_symmetry(const BodySpec& body, std::vector<SymmetryPlane> planes) {
+  if (body.plane_strain) planes.push_back({Vec3::Zero(), Vec3::Unit(static_cast<int>(*body.plane_strain))});
+  return {std::move(planes), body.axisymmetric() ? body.axis_of_revolution() : -1};
+}
+
 double use_of_friction(const std::vector<FrictionLimit>& given, const Wrench& wrench, const ContactSymmetry& symmetry) {
   std::vector<FrictionLimit> points;
   std::copy_if(given.begin(), given.end(), std::back_inserter(points),

@@ -5,6 +5,7 @@
 
 #include "core/base/numbers/types.hpp"
 #include "core/geometry/symmetry_plane.hpp"
+#include "core/scene/scene.hpp"
 
 namespace cgcontact {
 
@@ -24,6 +25,9 @@ struct ContactSymmetry {
   std::vector<SymmetryPlane> planes;
   int axis = -1;  ///< of revolution, 0, 1, 2
 };
+
+/// Returns the symmetry of contact of a body that goes on behind planes: also of plane strain and of revolution.
+ContactSymmetry contact_symmetry(const BodySpec& body, std::vector<SymmetryPlane> planes);
 
 /// Returns the use of friction: the largest ratio, over the rigid motions along the faces, of the work of the wrench to
 /// what friction dissipates when all points slide with the motion. At most 1 where the shear of the wrench is at most

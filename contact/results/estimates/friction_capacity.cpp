@@ -109,8 +109,7 @@ class FrictionZone {
   double use(const Wrench& wrench) const {
     std::vector<FrictionLimit> limits;
     for (const Force& f : transmitted_) limits.push_back({f.x, f.normal, pair_.spec->friction * f.size});
-    const BodySpec& body = *state_.bodies[pair_.primary].spec;
-    return use_of_friction(limits, wrench, {frame_.planes, body.axisymmetric() ? body.axis_of_revolution() : -1});
+    return use_of_friction(limits, wrench, contact_symmetry(*state_.bodies[pair_.primary].spec, frame_.planes));
   }
   double num_sectors() const { return std::pow(2.0, static_cast<double>(frame_.planes.size())); }
 

@@ -334,8 +334,7 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
     if (!is_all || asked_[k] <= little_beyond || std::abs(asked_[k] - before[k]) >= steady * asked_[k]) continue;
     const BodySpec& body = *problem_.bodies[pair.primary].spec;
     sum_around_axis(body, needed.force, &needed.moment);
-    const int axis = body.axisymmetric() ? body.axis_of_revolution() : -1;
-    const double excess = use_of_friction(limits, needed, {planes_[k], axis}) - 1;
+    const double excess = use_of_friction(limits, needed, contact_symmetry(body, planes_[k])) - 1;
     if (excess > little_beyond) sliding_[k] = excess;
   }
 }

@@ -1,5 +1,5 @@
-/// Sliding whose pressure depends on the friction itself: wedges, inclines steeper than 45 degrees, soft pads. With mu p
-/// lagged behind the pressure none of these converges.
+/// Friction where its pressure depends on itself (wedges, inclines steeper than 45 degrees, soft pads: with mu p lagged
+/// behind the pressure none converges), and where nothing else holds a body.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ const FrictionFigures& friction(const Results& r) { return *r.pairs[0].friction;
 TEST(FrictionSlides, DrivenWedge) {
   constexpr double force = 1000, mu = 0.2, angle = 8 * pi / 180;
   for (const double offset : {0.3, 0.7}) {
-    const auto solved = test::run_text(fmt::format(R"(
+    const auto solved = test::run_text(fmt::format(R"scene(
 plane_strain = "x"
 [parameters]
 angle = "8 deg"
@@ -37,7 +37,7 @@ height = 0.0002
 profile = [
   [0, 0],
   [0.004, 0],
-  {{to = ["0.004+0.02*tan(angle)", 0.02], name = "flank"}},
+  {{to = ["4 mm+20 mm*tan(angle)", 0.02], name = "flank"}},
   {{to = [0, 0.02], name = "head"}},
   {{to = [0, 0], name = "middle"}},
 ]
@@ -51,11 +51,11 @@ x = [0, 1, 0]
 normal = [1, 0, 0]
 height = 0.0002
 profile = [
-  ["0.004-0.004*tan(angle)", -0.004],
+  ["4 mm-4 mm*tan(angle)", -0.004],
   [0.02, -0.004],
   {{to = [0.02, 0.016], name = "side"}},
-  ["0.004+0.016*tan(angle)", 0.016],
-  {{to = ["0.004-0.004*tan(angle)", -0.004], name = "flank"}},
+  ["4 mm+16 mm*tan(angle)", 0.016],
+  {{to = ["4 mm-4 mm*tan(angle)", -0.004], name = "flank"}},
 ]
 [[support]]
 face = "wedge.middle"
@@ -70,7 +70,7 @@ steps = [1, 0]
 [[contact]]
 faces = ["wedge.flank", "block.flank"]
 friction = {3}
-)",
+)scene",
                                                    offset, 0.7 * offset, -force, mu),
                                        {});
     const Results& r = solved->results();
@@ -153,6 +153,113 @@ friction = 0.6
   const auto& pair = r.pairs[0];
   EXPECT_NEAR(std::abs(friction(r).force[1]) / (0.6 * pair.zone.normal_force), 1, settled);
   EXPECT_EQ(friction(r).stick_area, 0);
+}
+
+/// A block between plates that spreads as it is pressed, mu = 0.05: nothing but friction on both sides of its middle
+/// holds it, and nearly all of it slips. As much work as in two halves with symmetry, to what the grids of these differ.
+TEST(FrictionSlides, SymmetricBlock) {
+  const auto pressed = [](bool half) {
+    const std::string left = half ? "0" : "-0.02", left_of_block = half ? "0" : "-0.012";
+    std::string text = fmt::format(R"(
+plane_strain = "x"
+[[body]]
+name = "low"
+material = "steel"
+shape = {{box = {{min = [0, {0}, -0.018], max = [0.0007, 0.02, -0.006]}}}}
+cell_size = 0.0013
+grid = {{offset = [0, 0.31, 0.62]}}
+[[body]]
+name = "block"
+material = "aluminium"
+shape = {{box = {{min = [0, {1}, -0.006], max = [0.0007, 0.012, 0.006]}}}}
+cell_size = 0.001
+grid = {{offset = [0, 0.17, 0.45]}}
+[[body]]
+name = "up"
+material = "steel"
+shape = {{box = {{min = [0, {0}, 0.006], max = [0.0007, 0.02, 0.018]}}}}
+cell_size = 0.0013
+grid = {{offset = [0, 0.71, 0.2]}}
+[[support]]
+face = "low.z-"
+displacement = {{y = 0, z = 0}}
+[[support]]
+face = "up.z+"
+displacement = {{y = 0}}
+[[load]]
+face = "up.z+"
+pressure = 60e6
+[[contact]]
+faces = ["block.z-", "low.z+"]
+friction = 0.05
+[[contact]]
+faces = ["block.z+", "up.z-"]
+friction = 0.05
+[steps]
+loads = [0.5, 1]
+)",
+                                   left, left_of_block);
+    for (const char* body : {"low", "block", "up"})
+      if (half) text += fmt::format("[[support]]\nface = \"{}.y-\"\nsymmetry = true\n", body);
+    return test::run_text(text, {});
+  };
+  const auto whole = pressed(false), half = pressed(true);
+  const Results &r = whole->results(), &h = half->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  ASSERT_TRUE(h.converged) << h.diagnosis;
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(r.pairs[k].friction->work / (2 * h.pairs[k].friction->work), 1, 0.01);
+    EXPECT_LT(r.pairs[k].friction->stick_area, 0.1 * r.pairs[k].friction->slip_area);
+  }
+}
+
+/// A pin in a bushing, 20 um smaller in radius, pressed down, let go and pressed again: it may roll and turn, and rests
+/// in balance after every step.
+TEST(FrictionSlides, PinInABushing) {
+  constexpr double force = 800;
+  const auto solved = test::run_text(R"(
+plane_strain = "x"
+[parameters]
+t = 0.0007
+r = 0.01
+c = 2e-5
+[[body]]
+name = "bush"
+material = {E = 110e9, nu = 0.34}
+cell_size = 0.0012
+grid = {offset = [0, 0.31, 0.62]}
+[body.shape]
+difference = [
+  {name = "o", box = {min = [0, -0.02, -0.02], max = ["t", 0.02, 0.02]}},
+  {name = "bore", cylinder = {base = [-1, 0, 0], top = [1, 0, 0], radius = "r"}},
+]
+[[body]]
+name = "pin"
+material = "steel"
+cell_size = 0.001
+grid = {offset = [0, 0.21, 0.12]}
+[body.shape]
+difference = [
+  {name = "p", cylinder = {base = [0, 0, "-c"], top = ["t", 0, "-c"], radius = "r-c"}},
+  {name = "hole", cylinder = {base = [-1, 0, "-c"], top = [1, 0, "-c"], radius = 0.003}},
+]
+[[support]]
+face = "bush.o.z-"
+displacement = {y = 0, z = 0}
+[[load]]
+face = "pin.hole.side"
+force = [0, 0, -800]
+steps = [0.5, 1, 0.1, 1]
+[[contact]]
+faces = ["pin.p.side", "bush.bore.side"]
+friction = 0.2
+)",
+                                     {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  for (const BodyBalance& b : r.balance) EXPECT_LT((b.loads + b.supports + b.contact).norm(), settled * force);
+  EXPECT_LT(*friction(r).use, 1e-3) << "by symmetry friction carries nothing on the whole";
+  EXPECT_GT(friction(r).slip_area, 0);
 }
 
 }  // namespace
