@@ -250,8 +250,7 @@ void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups,
         friction.by_tangents(f, now[0], now[1], slip);
         const GroupFriction law = force_of_law(groups, friction, f, gap, slip);
         for (int i = 0; i < rows; ++i)
-          excess(row + i) =
-              friction.frame(f).by_row(i, law.force) - friction.linear_force(f, row + i, now[i], gap);
+          excess(row + i) = friction.frame(f).by_row(i, law.force) - friction.linear_force(f, row + i, now[i], gap);
       });
 }
 

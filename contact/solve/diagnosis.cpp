@@ -80,11 +80,12 @@ std::string describe_linear_solve(const Scene& scene, const LinearSolveResult& s
          describe_moduli(scene.bodies);
 }
 
-std::string describe_sliding(const OuterProblem& problem, const std::vector<double>& sliding) {
+std::string describe_sliding(const OuterProblem& problem, const FloatingBodies& floating,
+                             const std::vector<double>& sliding) {
   std::string text;
   for (std::size_t k = 0; k < sliding.size(); ++k) {
-    if (sliding[k] == 0) continue;
     const ContactPair& pair = problem.pairs[k];
+    if (sliding[k] == 0 || !floating.may_slide(pair)) continue;
     const bool alone = std::none_of(problem.pairs.begin(), problem.pairs.end(), [&](const ContactPair& other) {
       return &other != &pair && other.friction() > 0 &&
              (other.primary == pair.primary || other.secondary == pair.primary || other.primary == pair.secondary ||

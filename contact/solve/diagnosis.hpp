@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "contact/solve/floating/rigid_contact.hpp"
 #include "contact/solve/forces/outer_problem.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -29,6 +30,7 @@ std::string describe_linear_solve(const Scene& scene, const LinearSolveResult& s
 
 /// Describes pairs that slide all over, and how much more than friction can carry the loads need; "" if none does.
 /// sliding: of each pair, Friction::sliding().
-std::string describe_sliding(const OuterProblem& problem, const std::vector<double>& sliding);
+std::string describe_sliding(const OuterProblem& problem, const FloatingBodies& floating,
+                             const std::vector<double>& sliding);
 
 }  // namespace cgcontact

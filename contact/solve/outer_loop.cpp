@@ -187,7 +187,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     result.active_points.push_back(step.active_points);
     result.iterations = iteration;
     progress(step);
-    if (const std::string sliding = describe_sliding(problem_, now_.friction.sliding()); !sliding.empty())
+    if (const std::string sliding = describe_sliding(problem_, now_.floating, now_.friction.sliding());
+        !sliding.empty())
       return end(iteration, sliding, result);
     const bool was_soft = soft.is_soft();
     if (!now_.friction.any()) soft.follow(step);  // whose line search is there for other reasons
@@ -335,7 +336,8 @@ FreeMotions ContactSolver::Impl::balance_floating_bodies() {
   std::size_t group = 0;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
-  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones, now_.friction.laws(now_.groups(), now_.gap_change()));
+  const FloatingBodies::Balance balance =
+      now_.floating.balance(gap, stress, now_.small_zones, now_.friction.laws(now_.groups(), now_.gap_change()));
   if (!balance.found) return balance.unbalanced;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
     const RigidComponent& component = now_.floating.components()[b];

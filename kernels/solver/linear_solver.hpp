@@ -1,5 +1,5 @@
-/// Flexible CG, or another method of Belos, on the matrix-free operator (flexible GMRES where rows are coupled), preconditioned by geometric multigrid or, for
-/// comparison, by MueLu on the assembled matrix.
+/// Flexible CG, or another method of Belos, on the matrix-free operator (flexible GMRES where rows are coupled),
+/// preconditioned by geometric multigrid or, for comparison, by MueLu on the assembled matrix.
 #pragma once
 
 #include <memory>

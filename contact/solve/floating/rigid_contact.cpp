@@ -40,10 +40,11 @@ Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::
   return spring_along(pair, group, components, [&](int q) { return pair.points.direction(q); });
 }
 
-/// Makes rigid bodies under loads on springs of the contact groups, on the motions that are free: along the normals and,
-/// if they stick, along the tangents of each group after these.
+/// Makes rigid bodies under loads on springs of the contact groups, on the motions that are free: along the normals
+/// and, if they stick, along the tangents of each group after these.
 BodiesOnSprings on_contact(const std::vector<ContactPair>& pairs, const std::vector<RigidComponent>& components,
-                           const std::vector<Eigen::Matrix<double, 6, 6>>& free, const Eigen::VectorXd& load, bool stick) {
+                           const std::vector<Eigen::Matrix<double, 6, 6>>& free, const Eigen::VectorXd& load,
+                           bool stick) {
   BodiesOnSprings rigid;
   rigid.load = load;
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
@@ -248,6 +249,18 @@ bool FloatingBodies::slide_into_place() const {
   return slides && free.holds(free_);
 }
 
+bool FloatingBodies::may_slide(const ContactPair& pair) const {
+  constexpr double along_face = 1e-3;  // of a row: what a face leans towards a motion across it is none
+  if (!floats(pair.primary) && !floats(pair.secondary)) return false;
+  for (const ContactGroup& group : pair.groups)
+    for (int i = 0; i < pair.num_tangents; ++i) {
+      const RowOnMotions row = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
+      if ((free_[pair.primary] * row.first).norm() > along_face * row.first.norm()) return true;
+      if ((free_[pair.secondary] * row.second).norm() > along_face * row.second.norm()) return true;
+    }
+  return false;
+}
+
 FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
   BodiesOnSprings rigid;
   rigid.load = load();
@@ -322,8 +335,7 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
     Rubbing rubbing{pair.primary, pair.secondary, {}, &law};
     for (int i = 0; i < pair.num_tangents; ++i) {
       const ContactGroup& group = pair.groups[law.group];
-      const RowOnMotions row =
-          spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
+      const RowOnMotions row = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
       rubbing.along[i] = {free_[pair.primary] * row.first, free_[pair.secondary] * row.second};
     }
     rigid.rubbing.push_back(rubbing);

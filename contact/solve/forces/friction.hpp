@@ -1,7 +1,7 @@
 /// Friction in the outer iteration: Coulomb's law with the recovered shear lagged, like the pressure. Each iteration
 /// takes one Newton step of normal and shear together, whose matrix is not symmetric where points slip: mu p follows
-/// the gap (docs/theory.md). In the first solve of a load step all closed points stick, from where they stuck at the end
-/// of the last one; or none of them, where there was none and bodies slide into place (wedges).
+/// the gap (docs/theory.md). In the first solve of a load step all closed points stick, from where they stuck at the
+/// end of the last one; or none of them, where there was none and bodies slide into place (wedges).
 #pragma once
 
 #include <Kokkos_DualView.hpp>

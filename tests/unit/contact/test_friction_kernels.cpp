@@ -236,8 +236,8 @@ TYPED_TEST(FrictionKernels, LinearForcesAreTangentToTheLaw) {
         near_kink |= plain.bound[q] > 0 && plain.bound[q] < 1e-5;
       if (near_kink) continue;
       const auto closer = plain.force(g, slip, gap_now - h), farther = plain.force(g, slip, gap_now + h);
-      EXPECT_NEAR(coupling(plain.row[g] + i),
-                  (c * (farther[0] - closer[0]) + s * (farther[1] - closer[1])) / (2 * h), 1e-7 * (1 + all));
+      EXPECT_NEAR(coupling(plain.row[g] + i), (c * (farther[0] - closer[0]) + s * (farther[1] - closer[1])) / (2 * h),
+                  1e-7 * (1 + all));
       num_coupled += coupling(plain.row[g] + i) != 0;
       const double along = -(c * (up[0] - down[0]) + s * (up[1] - down[1])) / (2 * h);
       EXPECT_NEAR(row.stiffness - kept, along, 1e-7 * (1 + all));

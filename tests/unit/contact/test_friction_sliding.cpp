@@ -16,8 +16,8 @@ constexpr double settled = 1e-5;
 
 const FrictionFigures& friction(const Results& r) { return *r.pairs[0].friction; }
 
-/// Half of a wedge (8 degrees) that a force F drives in, F = N sin + mu N cos, then let go in two steps: it stays, since
-/// tan(8 degrees) < mu, and without load asks for tan(8 degrees) of the pressure.
+/// Half of a wedge (8 degrees) that a force F drives in, F = N sin + mu N cos, then let go in two steps: it stays,
+/// since tan(8 degrees) < mu, and without load asks for tan(8 degrees) of the pressure.
 TEST(FrictionSlides, DrivenWedge) {
   constexpr double force = 1000, mu = 0.2, angle = 8 * pi / 180;
   for (const double offset : {0.3, 0.7}) {
@@ -156,7 +156,8 @@ friction = 0.6
 }
 
 /// A block between plates that spreads as it is pressed, mu = 0.05: nothing but friction on both sides of its middle
-/// holds it, and nearly all of it slips. As much work as in two halves with symmetry, to what the grids of these differ.
+/// holds it, and nearly all of it slips. As much work as in two halves with symmetry, to what the grids of these
+/// differ.
 TEST(FrictionSlides, SymmetricBlock) {
   const auto pressed = [](bool half) {
     const std::string left = half ? "0" : "-0.02", left_of_block = half ? "0" : "-0.012";
