@@ -65,7 +65,7 @@ struct ContactSolver::Impl {
   bool drift_exceeded() const;
   bool keeps_drifting(const std::vector<double>& residuals) const;
   bool contact_holds_floating_bodies();
-  FreeMotions balance_floating_bodies();
+  FreeMotions balance_floating_bodies(bool by_law);
   void polish(OuterResult& result);
   OuterResult end(int iteration, const std::string& why, OuterResult result) const;
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
@@ -163,10 +163,10 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
                   result);
     if (search) step.length = search_along_step(solver_, before, now_);
     const double spring_force = now_.spring_force();
-    // What is beyond friction then slides, as its law tells.
-    if (now_.floating.any() && now_.friction.any() && now_.friction.is_released()) balance_floating_bodies();
+    const bool rubs = now_.floating.any() && now_.friction.any() && now_.friction.is_released();
+    const bool by_law = rubs && balance_floating_bodies(true).empty();  // else loads are beyond friction: it slides
     held = !now_.floating.any() || contact_holds_floating_bodies();
-    if (unbalanced_.empty() && !held) unbalanced_ = balance_floating_bodies();
+    if (unbalanced_.empty() && !held) unbalanced_ = balance_floating_bodies(by_law);
     if (!unbalanced_.empty()) {
       update_active_set(now_, false);
       return stop(iteration, describe_separation(open_separating_pairs(now_, unbalanced_), problem_.pairs.size()),
@@ -327,8 +327,9 @@ bool ContactSolver::Impl::contact_holds_floating_bodies() {
 void ContactSolver::Impl::end_step() { now_.friction.end_step(now_.groups(), now_.gap_change()); }
 
 /// Moves the bodies that contact alone holds to where its forces balance the loads; with friction also those that it
-/// holds, since a step along faces that slip overshoots. Returns what nothing stops.
-FreeMotions ContactSolver::Impl::balance_floating_bodies() {
+/// holds, since a step along faces that slip overshoots. by_law: of friction, not by the linear forces of the last
+/// solve. Returns what nothing stops.
+FreeMotions ContactSolver::Impl::balance_floating_bodies(bool by_law) {
   now_.set_rigid_motions_aside();
   std::vector<double> gap = now_.group_gap_change();
   std::vector<double> stress(now_.contact_stress.h_view.extent(0));
@@ -336,8 +337,8 @@ FreeMotions ContactSolver::Impl::balance_floating_bodies() {
   std::size_t group = 0;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
-  const FloatingBodies::Balance balance =
-      now_.floating.balance(gap, stress, now_.small_zones, now_.friction.laws(now_.groups(), now_.gap_change()));
+  const FloatingBodies::Balance balance = now_.floating.balance(
+      gap, stress, now_.small_zones, now_.friction.laws(now_.groups(), now_.gap_change()), by_law);
   if (!balance.found) return balance.unbalanced;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
     const RigidComponent& component = now_.floating.components()[b];
@@ -351,6 +352,8 @@ FreeMotions ContactSolver::Impl::balance_floating_bodies() {
 /// The force in the right-hand side exceeds that of the solution by orders: how accurate it is to be is known
 /// afterwards.
 Approach ContactSolver::Impl::approach(int pair) {
+  set_group_coupling(problem_.system, {});  // the estimate weighs by what forces do, and takes that for its transpose
+  update_solver();
   std::vector<double> stiffness = now_.group_stiffness();
   std::size_t first = 0;
   for (int k = 0; k < pair; ++k) first += problem_.pairs[k].groups.size();

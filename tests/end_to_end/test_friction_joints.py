@@ -117,15 +117,17 @@ class Bolted(unittest.TestCase):
         self.assertGreater(shear / slip, beam / 0.038**3)
 
     def test_bolt_carries_the_rest_at_once(self):
-        """The whole load in one step: it is divided until friction converges, and ends where given steps end."""
+        """The whole load in one step, with less than the 27 iterations that this takes: it is divided until friction
+        converges, and ends where given steps end."""
         ends = []
-        for name, factors in (("given", "[0, 0.75, 0.875, 1]"), ("at_once", "[0, 1]")):
-            outcome = joint(name, q=1.2, mu_head=MU, load__0__steps=factors, solver__tolerance=1e-7)
+        for name, factors, most in (("given", "[0, 0.75, 0.875, 1]", 30), ("at_once", "[0, 1]", 6)):
+            outcome = joint(name, q=1.2, mu_head=MU, load__0__steps=factors, solver__tolerance=1e-7,
+                            solver__max_outer_iterations=most)
             self.assertEqual(outcome.code, 0, outcome.err)
             ends.append({pair: figures["friction"] for pair, figures in steps_of(name)[-1].items()})
         self.assertEqual(len(steps_of("at_once")), 2)
         self.assertRegex(" ".join(report("at_once")["warnings"]),
-                         r"step 2 of 2: with friction it did not converge at once, but in \d increments")
+                         r"step 2 of 2: with friction it did not converge at once, but in \d+ increments")
         for pair in ("plates", "head"):
             given, at_once = (end[pair]["force_on_first"][0] / LIMIT for end in ends)
             self.assertAlmostEqual(at_once, given, delta=0.01)  # slip of the nut depends on the steps

@@ -31,6 +31,11 @@ Eigen::Vector2d Rubbing::change(const Eigen::VectorXd& motion) const {
 std::pair<Eigen::Vector2d, Eigen::Matrix2d> Rubbing::force(const Eigen::Vector2d& slip) const {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d fall = Eigen::Matrix2d::Zero();
+  if (!by_law) {
+    fall << law->fall[0], law->fall[1], law->fall[1], law->fall[2];
+    sum = Eigen::Vector2d(law->force[0], law->force[1]) - fall * (slip - Eigen::Vector2d(law->slip[0], law->slip[1]));
+    return {sum, fall};
+  }
   for (const FrictionGroup::Point& q : law->points) {
     const TangentialContact at(law->k, q.lagged, slip.data(), q.held);
     sum += q.weight * at.carried_fraction(q.bound) * Eigen::Vector2d(at.z[0], at.z[1]);

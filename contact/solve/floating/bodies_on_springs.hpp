@@ -38,6 +38,7 @@ struct Rubbing {
   int first = 0, second = 0;
   RowOnMotions along[2];  ///< of each tangent; zero for one that the group does not have
   const FrictionGroup* law = nullptr;
+  bool by_law = true;  ///< or by its linear force
 
   Eigen::Vector2d change(const Eigen::VectorXd& motion) const;
   /// Returns the force by tangents at a slip (m), N, and its fall with that, N/m.

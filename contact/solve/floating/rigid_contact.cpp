@@ -306,7 +306,7 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
 
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
                                                 const SmallZones& small_zones,
-                                                const std::vector<FrictionGroup>& friction) const {
+                                                const std::vector<FrictionGroup>& friction, bool by_law) const {
   BodiesOnSprings rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
@@ -332,7 +332,7 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
   }
   for (const FrictionGroup& law : friction) {
     const ContactPair& pair = pairs_[law.pair];
-    Rubbing rubbing{pair.primary, pair.secondary, {}, &law};
+    Rubbing rubbing{pair.primary, pair.secondary, {}, &law, by_law};
     for (int i = 0; i < pair.num_tangents; ++i) {
       const ContactGroup& group = pair.groups[law.group];
       const RowOnMotions row = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;

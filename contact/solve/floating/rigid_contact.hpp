@@ -39,9 +39,10 @@ class FloatingBodies {
   ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
   /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
   /// the points of all pairs, Pa.
-  /// Groups in small zones press as those say instead; friction follows its law with the present bounds.
+  /// Groups in small zones press as those say instead; friction follows its law with the present
+  /// bounds (`by_law`), or its linear forces.
   Balance balance(const std::vector<double>& gap, const std::vector<double>& stress, const SmallZones& small_zones,
-                  const std::vector<FrictionGroup>& friction) const;
+                  const std::vector<FrictionGroup>& friction, bool by_law) const;
   /// Returns for each pair whether prescribed motions give its force. A floating body without loads (its own, or of
   /// those that it may touch and that float too) is squeezed, if it carries anything.
   std::vector<DisplacementDriven> displacement_driven_pairs() const;

@@ -151,15 +151,27 @@ std::vector<FrictionGroup> Friction::laws(const ContactGroupArrays<MemSpace>& gr
   problem_.exec.fence();
   const auto bound = host_of(now.bound), weight = host_of(arrays_.weight), approach = host_of(arrays_.approach);
   const auto lagged = host_of(arrays_.lagged), reference = host_of(arrays_.reference), drift = host_of(arrays_.drift);
-  const auto slips = host_of(of_friction(change));
+  const auto slips = host_of(of_friction(change)), gaps = host_of(change), gap = host_of(arrays_.gap);
+  const auto linear = host_of(arrays_.linear);
+  const auto coupling = host_of(arrays_.coupling);
+  const auto normal_group = host_of(arrays_.normal_group);
   std::size_t f = 0, point = 0;
   int row = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     for (std::size_t g = 0; g < pair.groups.size() && pair.num_tangents > 0; ++g, ++f) {
-      FrictionGroup group{k, g, pair.stiffness(pair.groups[g]), {0, 0}, {}};
-      for (int i = 0; i < pair.num_tangents; ++i, ++row)
-        for (int t = 0; t < 2; ++t) group.slip[t] += frames_[f].along(i, t) * slips(row);
+      FrictionGroup group{k, g, pair.stiffness(pair.groups[g]), {}, {}, {}, {}};
+      for (int i = 0; i < pair.num_tangents; ++i, ++row) {
+        const double along[2] = {frames_[f].along(i, 0), frames_[f].along(i, 1)};
+        const double force = linear(row).at(slips(row)) + coupling(row) * (gaps(normal_group(f)) - gap(f));
+        for (int t = 0; t < 2; ++t) {
+          group.slip[t] += along[t] * slips(row);
+          group.force[t] += along[t] * force;
+        }
+        group.fall[0] += along[0] * along[0] * linear(row).stiffness;
+        group.fall[1] += along[0] * along[1] * linear(row).stiffness;
+        group.fall[2] += along[1] * along[1] * linear(row).stiffness;
+      }
       for (int q = pair.groups[g].first_point; q < pair.groups[g].last_point; ++q, ++point) {
         FrictionGroup::Point p{weight(point), bound(point), {}, {}};
         for (int t = 0; t < 2; ++t) {

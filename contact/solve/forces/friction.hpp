@@ -18,9 +18,10 @@ struct FrictionGroup {
     double weight, bound;       ///< m^2, Pa
     double lagged[2], held[2];  ///< by tangents, Pa, m
   };
-  std::size_t pair, group;  ///< group: of the pair
-  double k;                 ///< Pa/m
-  double slip[2];           ///< by tangents, m
+  std::size_t pair, group;   ///< group: of the pair
+  double k;                  ///< Pa/m
+  double slip[2];            ///< by tangents, m
+  double force[2], fall[3];  ///< of the linear force at that slip and the present gap: N; 00, 01, 11 per slip, N/m
   std::vector<Point> points;
 };
 

@@ -263,5 +263,48 @@ friction = 0.2
   EXPECT_GT(friction(r).slip_area, 0);
 }
 
+/// Where a displacement presses, the estimated error of the force weighs what the stiffness leaves by a solution with
+/// unit forces. What slips hardly changes either.
+TEST(FrictionSlides, ErrorOfTheForceIsAsWithoutFriction) {
+  const auto pressed = [](double coefficient) {
+    return test::run_text(fmt::format(R"(
+plane_strain = "x"
+[[body]]
+name = "plate"
+material = {{E = 70e9, nu = 0.33}}
+shape = {{box = {{min = [0, -0.01, -0.01], max = [0.0004, 0.01, 0]}}}}
+cell_size = 0.0005
+grid = {{offset = [0, 0.31, 0.62]}}
+[[body]]
+name = "roller"
+material = "steel"
+cell_size = 0.00045
+grid = {{offset = [0, 0.21, 0.12]}}
+[body.shape]
+intersection = [
+  {{name = "r", cylinder = {{base = [0, 0, 0.01], top = [0.0004, 0, 0.01], radius = 0.01}}}},
+  {{name = "c", box = {{min = [-1, -1, -1], max = [1, 1, 0.008]}}}},
+]
+[[support]]
+face = "plate.z-"
+displacement = {{y = 0, z = 0}}
+[[support]]
+face = "roller.c.z+"
+displacement = {{y = 0, z = -4e-5}}
+[[contact]]
+faces = ["plate.z+", "roller.r.side"]
+friction = {}
+)",
+                                      coefficient),
+                          {});
+  };
+  const auto without = pressed(0), with = pressed(0.1);
+  const Results &r = without->results(), &f = with->results();
+  ASSERT_TRUE(r.converged && f.converged);
+  ASSERT_TRUE(r.pairs[0].force_error_estimate && f.pairs[0].force_error_estimate);
+  ASSERT_GT(friction(f).slip_area, 0) << "nothing slips: the case proves nothing";
+  EXPECT_NEAR(*f.pairs[0].force_error_estimate / *r.pairs[0].force_error_estimate, 1, 0.2);
+}
+
 }  // namespace
 }  // namespace cgcontact::test_friction_sliding

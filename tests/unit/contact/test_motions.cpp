@@ -319,7 +319,7 @@ TEST(FloatingBodies, BalanceAForceOnTheirContact) {
       stiffness += pair.stiffness(group) * group.area;
     }
     const FloatingBodies::Balance balance =
-        floating.balance(gap, std::vector<double>(pair.points.size(), 0.0), zones, {});
+        floating.balance(gap, std::vector<double>(pair.points.size(), 0.0), zones, {}, true);
     EXPECT_EQ(balance.found, force < 0);
     if (balance.found) {
       RigidMotion expected = RigidMotion::Zero();
