@@ -83,6 +83,7 @@ struct ContactSolver::Impl {
   RightHandSide right_hand_side_;
   std::vector<Vec3> load_of_body_;          // N
   FreeMotions unbalanced_;                  // what the loads drive without end
+  bool slides_into_place_ = false;          // FloatingBodies::slide_into_place() in this step
   bool warm_ = false;                       // whether there is a converged solution to start from
   std::unique_ptr<TangentialDrift> drift_;  // where contact alone holds bodies
   bool has_support_terms_ = true;           // whether the system has the terms of the supports
@@ -124,8 +125,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   } else if (now_.floating.any() && count_active(problem_.pairs) == 0) {
     initialise_active_set(now_);  // a step without loads has opened all
   }
-  now_.friction.begin_step(now_.groups(), now_.gap_change(),
-                           now_.friction.any() && now_.floating.any() && now_.floating.slide_into_place());
+  slides_into_place_ = now_.friction.any() && now_.floating.any() && now_.floating.slide_into_place();
+  now_.friction.begin_step(now_.groups(), now_.gap_change(), slides_into_place_);
   renew_friction();
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
@@ -163,7 +164,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
                   result);
     if (search) step.length = search_along_step(solver_, before, now_);
     const double spring_force = now_.spring_force();
-    const bool rubs = now_.floating.any() && now_.friction.any() && now_.friction.is_released();
+    // Where bodies wedge in, the balance, whose bounds do not follow the gap, multiplies errors by -mu / tan a.
+    const bool rubs = now_.floating.any() && !slides_into_place_ && now_.friction.any() && now_.friction.is_released();
     const bool by_law = rubs && balance_floating_bodies(true).empty();  // else loads are beyond friction: it slides
     held = !now_.floating.any() || contact_holds_floating_bodies();
     if (unbalanced_.empty() && !held) unbalanced_ = balance_floating_bodies(by_law);

@@ -272,25 +272,25 @@ plane_strain = "x"
 [[body]]
 name = "plate"
 material = {{E = 70e9, nu = 0.33}}
-shape = {{box = {{min = [0, -0.01, -0.01], max = [0.0004, 0.01, 0]}}}}
-cell_size = 0.0005
+shape = {{box = {{min = [0, -0.01, -0.01], max = [0.00015, 0.01, 0]}}}}
+cell_size = 0.0002
 grid = {{offset = [0, 0.31, 0.62]}}
 [[body]]
 name = "roller"
 material = "steel"
-cell_size = 0.00045
+cell_size = 0.00018
 grid = {{offset = [0, 0.21, 0.12]}}
 [body.shape]
 intersection = [
-  {{name = "r", cylinder = {{base = [0, 0, 0.01], top = [0.0004, 0, 0.01], radius = 0.01}}}},
-  {{name = "c", box = {{min = [-1, -1, -1], max = [1, 1, 0.008]}}}},
+  {{name = "r", cylinder = {{base = [0, 0, 0.01], top = [0.00015, 0, 0.01], radius = 0.01}}}},
+  {{name = "c", box = {{min = [-1, -1, -1], max = [1, 1, 0.004]}}}},
 ]
 [[support]]
 face = "plate.z-"
 displacement = {{y = 0, z = 0}}
 [[support]]
 face = "roller.c.z+"
-displacement = {{y = 0, z = -4e-5}}
+displacement = {{y = 0, z = -1e-4}}
 [[contact]]
 faces = ["plate.z+", "roller.r.side"]
 friction = {}
