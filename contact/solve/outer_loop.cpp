@@ -354,8 +354,10 @@ FreeMotions ContactSolver::Impl::balance_floating_bodies(bool by_law) {
 /// The force in the right-hand side exceeds that of the solution by orders: how accurate it is to be is known
 /// afterwards.
 Approach ContactSolver::Impl::approach(int pair) {
-  set_group_coupling(problem_.system, {});  // the estimate weighs by what forces do, and takes that for its transpose
-  update_solver();
+  if (problem_.system.groups.coupling.extent(0) > 0) {
+    set_group_coupling(problem_.system, {});  // the estimate weighs by what forces do, and takes that for its transpose
+    update_solver();
+  }
   std::vector<double> stiffness = now_.group_stiffness();
   std::size_t first = 0;
   for (int k = 0; k < pair; ++k) first += problem_.pairs[k].groups.size();

@@ -39,7 +39,7 @@ struct GroupRows {
   RealView column_value;
   RealView stiffness;  ///< k of each group; 0 where the group is open
   RealView scratch;    ///< (num_groups)
-  /// Of each group: its coupled row, or -1, and force per gap of that. Empty: no row has any, the matrix is symmetric.
+  /// Coupled row of each group, or -1, and force per gap of that. Empty: no row has any, the matrix is symmetric.
   IntView coupled_row;
   RealView coupling;
 };

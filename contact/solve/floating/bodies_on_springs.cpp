@@ -45,6 +45,13 @@ std::pair<Eigen::Vector2d, Eigen::Matrix2d> Rubbing::force(const Eigen::Vector2d
   return {sum, fall};
 }
 
+void BodiesOnSprings::add(Spring spring, double area) {
+  spring.first_point = static_cast<int>(points.size());
+  points.push_back({area, 0});
+  spring.last_point = static_cast<int>(points.size());
+  springs.push_back(spring);
+}
+
 std::pair<double, double> BodiesOnSprings::press(const Spring& s, double gap) const {
   double force = 0, area = 0;
   for (int q = s.first_point; q < s.last_point; ++q) {

@@ -12,6 +12,12 @@ namespace cgcontact {
 /// Change of a gap or a slip with the rigid motions of two bodies.
 struct RowOnMotions {
   RigidMotion first = RigidMotion::Zero(), second = RigidMotion::Zero();
+
+  /// Returns the row on the motions that the bodies' projections leave.
+  template <class Projections>
+  RowOnMotions on(const Projections& free, int first_body, int second_body) const {
+    return {free[first_body] * first, free[second_body] * second};
+  }
 };
 
 /// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
@@ -52,6 +58,9 @@ struct BodiesOnSprings {
   std::vector<Rubbing> rubbing;
   Eigen::VectorXd load, motion;  ///< (6 bodies)
 
+  explicit BodiesOnSprings(const Eigen::VectorXd& loads) : load(loads), motion(Eigen::VectorXd::Zero(loads.size())) {}
+  /// Adds a spring of one point, without stress. area: m^2.
+  void add(Spring spring, double area);
   /// Returns the force of one spring, N, and the area that presses, m^2.
   std::pair<double, double> press(const Spring& s, double gap) const;
   double gap(const Spring& s) const { return s.distance + s.change(motion); }

@@ -45,17 +45,11 @@ Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::
 BodiesOnSprings on_contact(const std::vector<ContactPair>& pairs, const std::vector<RigidComponent>& components,
                            const std::vector<Eigen::Matrix<double, 6, 6>>& free, const Eigen::VectorXd& load,
                            bool stick) {
-  BodiesOnSprings rigid;
-  rigid.load = load;
-  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  BodiesOnSprings rigid(load);
   const auto add = [&](const ContactPair& pair, const ContactGroup& group, Spring spring) {
-    spring.row.first = free[pair.primary] * spring.row.first.eval();
-    spring.row.second = free[pair.secondary] * spring.row.second.eval();
+    spring.row = spring.row.on(free, pair.primary, pair.secondary);
     spring.law.k *= softer;
-    spring.first_point = static_cast<int>(rigid.points.size());
-    rigid.points.push_back({group.area, 0});
-    spring.last_point = static_cast<int>(rigid.points.size());
-    rigid.springs.push_back(spring);
+    rigid.add(spring, group.area);
   };
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& group : pair.groups) {
@@ -82,15 +76,7 @@ Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>
 bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                    std::vector<ContactPair>& pairs) {
   const std::vector<RigidComponent> components = whole_bodies(bodies).list;
-  BodiesOnSprings rigid;
-  rigid.load = loads_on(bodies, components).first;
-  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
-  const auto add = [&](Spring spring, double area) {
-    spring.first_point = static_cast<int>(rigid.points.size());
-    rigid.points.push_back({area, 0});
-    spring.last_point = static_cast<int>(rigid.points.size());
-    rigid.springs.push_back(spring);
-  };
+  BodiesOnSprings rigid(loads_on(bodies, components).first);
   double stiffest = 0;
   for (const ContactPair& pair : pairs) {
     for (const ContactGroup& group : pair.groups) {
@@ -98,7 +84,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
       Spring spring = spring_of(pair, group, components);
       spring.law.k *= softer;
       spring.distance = group.initial_gap;
-      add(spring, group.area);
+      rigid.add(spring, group.area);
     }
   }
   const std::size_t num_normal = rigid.springs.size();
@@ -107,7 +93,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
       for (int i = 0; i < pair.num_tangents; ++i) {
         Spring spring = spring_along(pair, group, components, [&](int q) { return pair.tangents(q)[i]; });
         spring.law = {along_faces * softer * spring.law.k, true};
-        add(spring, group.area);
+        rigid.add(spring, group.area);
       }
   for (const SupportPoint& p : supports) {
     if (p.follows) continue;
@@ -116,7 +102,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
     spring.row.first = components[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     spring.law = {stiffest, true};
     spring.distance = -p.value;
-    add(spring, p.weight);
+    rigid.add(spring, p.weight);
   }
   if (!rigid.solve()) return false;
   rigid.springs.resize(num_normal);
@@ -255,16 +241,15 @@ bool FloatingBodies::may_slide(const ContactPair& pair) const {
   for (const ContactGroup& group : pair.groups)
     for (int i = 0; i < pair.num_tangents; ++i) {
       const RowOnMotions row = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
-      if ((free_[pair.primary] * row.first).norm() > along_face * row.first.norm()) return true;
-      if ((free_[pair.secondary] * row.second).norm() > along_face * row.second.norm()) return true;
+      const RowOnMotions free = row.on(free_, pair.primary, pair.secondary);
+      if (free.first.norm() > along_face * row.first.norm()) return true;
+      if (free.second.norm() > along_face * row.second.norm()) return true;
     }
   return false;
 }
 
 FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
-  BodiesOnSprings rigid;
-  rigid.load = load();
-  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  BodiesOnSprings rigid(load());
   const std::vector<SurfaceNormals> normals(bodies_.begin(), bodies_.end());
   for (const ContactPair& pair : pairs_)
     for (const ContactGroup& group : pair.groups) {
@@ -284,18 +269,11 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
       for (int i = 0; i < pair.num_tangents; ++i) {
         Spring along = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; });
         along.law.bonded = true;
-        along.row.first = free_[pair.primary] * along.row.first.eval();
-        along.row.second = free_[pair.secondary] * along.row.second.eval();
-        along.first_point = static_cast<int>(rigid.points.size());
-        rigid.points.push_back({group.area, 0});
-        along.last_point = static_cast<int>(rigid.points.size());
-        rigid.springs.push_back(along);
+        along.row = along.row.on(free_, pair.primary, pair.secondary);
+        rigid.add(along, group.area);
       }
       spring.distance = group.initial_gap;
-      spring.first_point = static_cast<int>(rigid.points.size());
-      rigid.points.push_back({group.area, 0});
-      spring.last_point = static_cast<int>(rigid.points.size());
-      rigid.springs.push_back(spring);
+      rigid.add(spring, group.area);
     }
   FreeMotions moving;
   if (rigid.solve() || rigid.unbalanced().norm() <= max_load_left * rigid.load.norm()) return moving;
@@ -307,17 +285,14 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
                                                 const SmallZones& small_zones,
                                                 const std::vector<FrictionGroup>& friction, bool by_law) const {
-  BodiesOnSprings rigid;
-  rigid.load = load();
-  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  BodiesOnSprings rigid(load());
   auto lagged = stress.begin();
   for (const ContactPair& pair : pairs_) {
     const int first_point = static_cast<int>(rigid.points.size());
     for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), *lagged++});
     for (const ContactGroup& group : pair.groups) {
       Spring spring = spring_of(pair, group, components_);
-      spring.row.first = free_[pair.primary] * spring.row.first.eval();
-      spring.row.second = free_[pair.secondary] * spring.row.second.eval();
+      spring.row = spring.row.on(free_, pair.primary, pair.secondary);
       spring.distance = gap[rigid.springs.size()];
       spring.first_point = first_point + group.first_point;
       spring.last_point = first_point + group.last_point;
@@ -335,8 +310,8 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
     Rubbing rubbing{pair.primary, pair.secondary, {}, &law, by_law};
     for (int i = 0; i < pair.num_tangents; ++i) {
       const ContactGroup& group = pair.groups[law.group];
-      const RowOnMotions row = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
-      rubbing.along[i] = {free_[pair.primary] * row.first, free_[pair.secondary] * row.second};
+      const Spring along = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; });
+      rubbing.along[i] = along.row.on(free_, pair.primary, pair.secondary);
     }
     rigid.rubbing.push_back(rubbing);
   }

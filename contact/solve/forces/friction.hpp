@@ -59,8 +59,7 @@ class Friction {
                   const RealView& excess) const;
   /// Adds what gaps change of the linear forces, to forces of all rows in terms of `unit` (N).
   void add_coupled_forces(const RealView& change, double unit, const RealView& forces) const;
-  /// Returns the force of all rows per gap of their group, N/m, less where that resists (as stiffness); empty: none has
-  /// any.
+  /// Returns - d force / d gap of all rows, N/m (positive resists, as a stiffness); empty without friction.
   std::vector<double> coupling() const;
   /// Returns the law of all groups. change: as above.
   std::vector<FrictionGroup> laws(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
