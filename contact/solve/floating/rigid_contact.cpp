@@ -236,16 +236,35 @@ bool FloatingBodies::slide_into_place() const {
 }
 
 bool FloatingBodies::may_slide(const ContactPair& pair) const {
-  constexpr double along_face = 1e-3;  // of a row: what a face leans towards a motion across it is none
+  // Sine of the angle at which motions may leave faces: what triangles of a round face do, while wedges that loads
+  // push out come apart.
+  constexpr double along_face = 0.05;
   if (!floats(pair.primary) && !floats(pair.secondary)) return false;
-  for (const ContactGroup& group : pair.groups)
-    for (int i = 0; i < pair.num_tangents; ++i) {
-      const RowOnMotions row = spring_along(pair, group, components_, [&](int q) { return pair.tangents(q)[i]; }).row;
-      const RowOnMotions free = row.on(free_, pair.primary, pair.secondary);
-      if (free.first.norm() > along_face * row.first.norm()) return true;
-      if (free.second.norm() > along_face * row.second.norm()) return true;
+  const Eigen::Index size = 6 * static_cast<Eigen::Index>(free_.size());
+  Eigen::MatrixXd across = Eigen::MatrixXd::Zero(size, size), along = across;
+  const auto add = [&](const ContactPair& of, const ContactGroup& group, const auto& direction_at,
+                       Eigen::MatrixXd& to) {
+    const Spring spring = spring_along(of, group, components_, direction_at);
+    const RowOnMotions on_free = spring.row.on(free_, of.primary, of.secondary);
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(size);
+    row.segment<6>(6 * of.primary) = on_free.first;
+    row.segment<6>(6 * of.secondary) = on_free.second;
+    double closed = 0;
+    for (int q = group.first_point; q < group.last_point; ++q)
+      if (of.points[q].active) closed += of.points.weight(q);
+    to += closed * row * row.transpose();
+  };
+  for (const ContactPair& other : pairs_)
+    for (const ContactGroup& group : other.groups) {
+      add(
+          other, group, [&](int q) { return other.points.direction(q); }, across);
+      for (int i = 0; i < pair.num_tangents && &other == &pair; ++i)
+        add(
+            other, group, [&](int q) { return other.tangents(q)[i]; }, along);
     }
-  return false;
+  const double largest = (across + along).diagonal().maxCoeff();
+  const SymmetricEigen<Eigen::Dynamic> excess(along_face * along_face * along - across);
+  return excess.eigenvalues()[size - 1] > rounding * largest;
 }
 
 FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {

@@ -53,8 +53,8 @@ class FloatingBodies {
   /// Returns whether the loads of the present step ask more than friction carries where closed contact sticks, while
   /// contact without friction stops all bodies and leaves none a motion: wedges do, blocks on inclines do not.
   bool slide_into_place() const;
-  /// Returns whether some motion that supports leave free slides along the faces of a pair: else loads drive none, and
-  /// what all slips only follows prescribed displacements.
+  /// Returns whether some rigid motion that supports leave free slides a pair along its faces and neither opens nor
+  /// presses closed contact: else loads drive none, and what all slips follows prescribed displacements or comes apart.
   bool may_slide(const ContactPair& pair) const;
   /// Returns for each pair whether its contact opens completely as the loads move the bodies along these motions.
   std::vector<char> pairs_that_open(const FreeMotions& motions) const;
