@@ -71,11 +71,12 @@ struct BodiesOnSprings {
   bool holds(const std::vector<Eigen::Matrix<double, 6, 6>>& free) const;
   /// Returns the sum of all forces on the bodies.
   Eigen::VectorXd unbalanced() const;
+  /// Returns the sum of the magnitudes of loads and forces.
+  double scale() const;
 
  private:
   Eigen::VectorXd newton_step(const Eigen::VectorXd& force, double open) const;
   double step_length(const Eigen::VectorXd& step) const;
-  double scale() const;
 };
 
 }  // namespace cgcontact

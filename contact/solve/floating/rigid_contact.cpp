@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/model/surface_normals.hpp"
 #include "contact/solve/floating/bodies_on_springs.hpp"
@@ -335,6 +336,7 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
     rigid.rubbing.push_back(rubbing);
   }
   Balance result;
+  result.imbalance = rigid.unbalanced().norm() / std::max(rigid.scale(), std::numeric_limits<double>::min());
   result.found = rigid.solve();
   for (std::size_t b = 0; b < components_.size(); ++b) result.motions.emplace_back(rigid.motion.segment<6>(6 * b));
   if (!result.found) {

@@ -263,6 +263,75 @@ friction = 0.2
   EXPECT_GT(friction(r).slip_area, 0);
 }
 
+/// A ball in a groove, on cells as wide as its contact zones, pressed by a weight W and pushed along with 0.3 of what
+/// friction carries: the solve and the balance of rigid bodies, each with bounds of its own, came to different states
+/// in turn.
+TEST(FrictionSlides, BallInAGroove) {
+  constexpr double weight = 200;
+  const auto solved = test::run_text(R"scene(
+[parameters]
+R = 0.008
+W = 200
+Q = "0.3*0.2*W*sqrt(2)"
+[[body]]
+name = "right"
+material = {E = 2e9, nu = 0.3}
+cell_size = 0.00144
+grid = {offset = [0.1, 0.3333, 0.65]}
+[body.shape]
+box = {min = [0, -0.01, -0.006], max = [0.016, 0.01, 0]}
+rotate = {axis = [0, 1, 0], angle = -45}
+translate = [0, 0, "-R*sqrt(2)"]
+[[body]]
+name = "left"
+material = {E = 2e9, nu = 0.3}
+cell_size = 0.00144
+grid = {offset = [0.04, 0.8, 0.05]}
+[body.shape]
+box = {min = [-0.016, -0.01, -0.006], max = [0, 0.01, 0]}
+rotate = {axis = [0, 1, 0], angle = 45}
+translate = [0, 0, "-R*sqrt(2)"]
+[[body]]
+name = "ball"
+material = {E = 2e9, nu = 0.3}
+cell_size = 0.0012
+grid = {offset = [0.8, 0.08, 0.15]}
+[body.shape]
+intersection = [
+  {name = "s", sphere = {center = [0, 0, 0], radius = "R"}},
+  {name = "cut", box = {min = [-1, -1, -1], max = [1, 1, 0.003]}},
+]
+[[support]]
+face = "right.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "left.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[load]]
+face = "ball.cut.z+"
+force = [0, 0, "-W"]
+[[load]]
+face = "ball.cut.z+"
+force = [0, "Q", 0]
+at = [0, 0, "-R/sqrt(2)"]
+steps = [0, 1]
+[[contact]]
+faces = ["ball.s.surface", "right.z+"]
+friction = 0.2
+[[contact]]
+faces = ["ball.s.surface", "left.z+"]
+friction = 0.2
+)scene",
+                                     {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  for (const BodyBalance& b : r.balance) EXPECT_LT((b.loads + b.supports + b.contact).norm(), settled * weight);
+  for (const PairFigures& pair : r.pairs) {
+    EXPECT_GT(pair.friction->slip_area, 0) << "the groove gives way and rubs, also before the push";
+    EXPECT_LT(*pair.friction->use, 1 + settled);
+  }
+}
+
 /// Where a displacement presses, the estimated error of the force weighs what the stiffness leaves by a solution with
 /// unit forces. What slips hardly changes either.
 TEST(FrictionSlides, ErrorOfTheForceIsAsWithoutFriction) {
