@@ -37,9 +37,6 @@ constexpr double slow_fall = 0.5, tighter = 0.1;
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
 constexpr double nearly_converged = 1e-3, no_drift = 0.05;
-/// Imbalance, relative to the forces, below which bodies stay where the linear solve has left them: the balance, whose
-/// bounds do not follow the gap, would undo what that gains.
-constexpr double near_balance = 1e-3;
 /// With friction the iteration may take this many times as long if the residual falls to this fraction in some
 /// iterations.
 constexpr int longest = 4;
@@ -344,8 +341,8 @@ FreeMotions ContactSolver::Impl::balance_floating_bodies(bool by_law) {
     for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
   const FloatingBodies::Balance balance = now_.floating.balance(
       gap, stress, now_.small_zones, now_.friction.laws(now_.groups(), now_.gap_change()), by_law);
-  if (by_law && balance.imbalance < near_balance) return {};
   if (!balance.found) return balance.unbalanced;
+  if (balance.motions.empty()) return {};
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
     const RigidComponent& component = now_.floating.components()[b];
     now_.body_motions.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / component.size(),

@@ -176,9 +176,7 @@ bool BodiesOnSprings::solve() {
 bool BodiesOnSprings::holds(const std::vector<Eigen::Matrix<double, 6, 6>>& free) const {
   Eigen::MatrixXd resistance = Eigen::MatrixXd::Zero(load.size(), load.size());
   for (const Spring& s : springs) {
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(load.size());
-    row.segment<6>(6 * s.first) = s.row.first;
-    if (s.second >= 0) row.segment<6>(6 * s.second) = s.row.second;
+    const Eigen::VectorXd row = s.row.of_all(s.first, s.second, load.size());
     resistance += s.law.k * press(s, gap(s)).second * row * row.transpose();
   }
   const double largest = resistance.diagonal().maxCoeff();

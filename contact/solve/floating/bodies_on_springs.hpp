@@ -18,6 +18,13 @@ struct RowOnMotions {
   RowOnMotions on(const Projections& free, int first_body, int second_body) const {
     return {free[first_body] * first, free[second_body] * second};
   }
+  /// Returns the row on the motions of all bodies, `size` of them; second_body = -1: none.
+  Eigen::VectorXd of_all(int first_body, int second_body, Eigen::Index size) const {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(size);
+    all.segment<6>(6 * first_body) = first;
+    if (second_body >= 0) all.segment<6>(6 * second_body) = second;
+    return all;
+  }
 };
 
 /// Spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "contact/model/surface_normals.hpp"
 #include "contact/solve/floating/bodies_on_springs.hpp"
@@ -16,6 +15,9 @@ constexpr double softer = 0.01;
 /// Fraction of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press
 /// it.
 constexpr double along_faces = 1e-3;
+/// Imbalance, relative to the forces, below which bodies that friction holds stay where the linear solve has left them:
+/// the balance, whose bounds do not follow the gap, would undo what that gains.
+constexpr double near_balance = 1e-3;
 /// Fraction of the loads that the exact normals of one side may leave over.
 constexpr double max_load_left = 0.02;
 
@@ -246,10 +248,7 @@ bool FloatingBodies::may_slide(const ContactPair& pair) const {
   const auto add = [&](const ContactPair& of, const ContactGroup& group, const auto& direction_at,
                        Eigen::MatrixXd& to) {
     const Spring spring = spring_along(of, group, components_, direction_at);
-    const RowOnMotions on_free = spring.row.on(free_, of.primary, of.secondary);
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(size);
-    row.segment<6>(6 * of.primary) = on_free.first;
-    row.segment<6>(6 * of.secondary) = on_free.second;
+    const Eigen::VectorXd row = spring.row.on(free_, of.primary, of.secondary).of_all(of.primary, of.secondary, size);
     double closed = 0;
     for (int q = group.first_point; q < group.last_point; ++q)
       if (of.points[q].active) closed += of.points.weight(q);
@@ -336,7 +335,8 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
     rigid.rubbing.push_back(rubbing);
   }
   Balance result;
-  result.imbalance = rigid.unbalanced().norm() / std::max(rigid.scale(), std::numeric_limits<double>::min());
+  result.found = by_law && rigid.unbalanced().norm() < near_balance * rigid.scale();
+  if (result.found) return result;
   result.found = rigid.solve();
   for (std::size_t b = 0; b < components_.size(); ++b) result.motions.emplace_back(rigid.motion.segment<6>(6 * b));
   if (!result.found) {

@@ -32,8 +32,7 @@ class FloatingBodies {
 
   struct Balance {
     bool found = false;
-    double imbalance = 0;              ///< of the forces where the bodies were, relative to them
-    std::vector<RigidMotion> motions;  ///< of each body, about the centre of its component
+    std::vector<RigidMotion> motions;  ///< of each body, about the centre of its component; empty: all may stay
     FreeMotions unbalanced;            ///< if not found: the motion that nothing stops
   };
   /// Finds motions, from where the bodies are, that minimise the convex energy
