@@ -57,6 +57,8 @@ struct ContactSolver::Impl {
   void assemble();
   bool may_go_on(int iteration, const std::vector<double>& residuals) const;
   double renew_stress();
+  bool slides_at_once() const;
+  void begin_sliding(const RealView& before);
   void renew_friction();
   void take_turned_rows();
   void update_solver();
@@ -67,6 +69,7 @@ struct ContactSolver::Impl {
   bool contact_holds_floating_bodies();
   FreeMotions balance_floating_bodies(bool by_law);
   void polish(OuterResult& result);
+  void record(OuterResult& result, OuterStep& step, const std::function<void(const OuterStep&)>& progress) const;
   OuterResult end(int iteration, const std::string& why, OuterResult result) const;
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
   void set_forces(OuterResult& result) const;
@@ -83,7 +86,7 @@ struct ContactSolver::Impl {
   RightHandSide right_hand_side_;
   std::vector<Vec3> load_of_body_;          // N
   FreeMotions unbalanced_;                  // what the loads drive without end
-  bool slides_into_place_ = false;          // FloatingBodies::slide_into_place() in this step
+  bool slides_into_place_ = false;          // whether this step began without friction, and bodies float
   bool warm_ = false;                       // whether there is a converged solution to start from
   std::unique_ptr<TangentialDrift> drift_;  // where contact alone holds bodies
   bool has_support_terms_ = true;           // whether the system has the terms of the supports
@@ -125,8 +128,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   } else if (now_.floating.any() && count_active(problem_.pairs) == 0) {
     initialise_active_set(now_);  // a step without loads has opened all
   }
-  slides_into_place_ = now_.friction.any() && now_.floating.any() && now_.floating.slide_into_place();
-  now_.friction.begin_step(now_.groups(), now_.gap_change(), slides_into_place_);
+  slides_into_place_ = false;
+  now_.friction.begin_step(now_.groups(), now_.gap_change());
   renew_friction();
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
@@ -162,6 +165,11 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= settings().max_linear_iterations))
       return stop(iteration, describe_linear_solve(problem_.scene, solve, solver_error_, right_hand_side_.force_norm()),
                   result);
+    if (iteration == 1 && slides_at_once()) {
+      begin_sliding(before);
+      record(result, step, progress);
+      continue;
+    }
     if (search) step.length = search_along_step(solver_, before, now_);
     const double spring_force = now_.spring_force();
     // Where bodies wedge in, the balance, whose bounds do not follow the gap, multiplies errors by -mu / tan a.
@@ -184,11 +192,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     step.residual = renew_stress();
     if (step.changed_points == 0 && step.residual > slow_fall * outer_residual) tightening *= tighter;
     outer_residual = step.residual;
-    step.active_points = count_active(problem_.pairs);
-    result.residuals.push_back(step.residual);
-    result.active_points.push_back(step.active_points);
-    result.iterations = iteration;
-    progress(step);
+    record(result, step, progress);
     if (const std::string sliding = describe_sliding(problem_, now_.floating, now_.friction.sliding());
         !sliding.empty())
       return end(iteration, sliding, result);
@@ -213,6 +217,30 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   result.diagnosis =
       history.cycles() ? history.describe(problem_.pairs) : describe_residual(settings(), result.residuals);
   return result;
+}
+
+void ContactSolver::Impl::record(OuterResult& result, OuterStep& step,
+                                 const std::function<void(const OuterStep&)>& progress) const {
+  step.active_points = count_active(problem_.pairs);
+  result.residuals.push_back(step.residual);
+  result.active_points.push_back(step.active_points);
+  result.iterations = step.iteration;
+  progress(step);
+}
+
+/// Returns whether points that stick, in the first solve of a step, ask more than friction carries, while contact
+/// without friction holds all bodies: wedges and what displacements drag do, blocks on inclines do not.
+bool ContactSolver::Impl::slides_at_once() const {
+  return now_.friction.any() && now_.friction.carries_less_than(now_.group_force(true)) &&
+         (!now_.floating.any() || now_.floating.held_without_friction());
+}
+
+/// Takes the first solve of a step back: the next one has no friction, and those after it the law.
+void ContactSolver::Impl::begin_sliding(const RealView& before) {
+  Kokkos::deep_copy(now_.u, before);
+  slides_into_place_ = now_.floating.any();
+  now_.friction.slide();
+  renew_friction();
 }
 
 /// Recovers the stress and, with friction, what it bounds; returns how far both are from what the last system had.

@@ -43,31 +43,6 @@ Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::
   return spring_along(pair, group, components, [&](int q) { return pair.points.direction(q); });
 }
 
-/// Makes rigid bodies under loads on springs of the contact groups, on the motions that are free: along the normals
-/// and, if they stick, along the tangents of each group after these.
-BodiesOnSprings on_contact(const std::vector<ContactPair>& pairs, const std::vector<RigidComponent>& components,
-                           const std::vector<Eigen::Matrix<double, 6, 6>>& free, const Eigen::VectorXd& load,
-                           bool stick) {
-  BodiesOnSprings rigid(load);
-  const auto add = [&](const ContactPair& pair, const ContactGroup& group, Spring spring) {
-    spring.row = spring.row.on(free, pair.primary, pair.secondary);
-    spring.law.k *= softer;
-    rigid.add(spring, group.area);
-  };
-  for (const ContactPair& pair : pairs)
-    for (const ContactGroup& group : pair.groups) {
-      Spring spring = spring_of(pair, group, components);
-      spring.distance = group.initial_gap;
-      add(pair, group, spring);
-      for (int i = 0; stick && i < pair.num_tangents; ++i) {
-        Spring along = spring_along(pair, group, components, [&](int q) { return pair.tangents(q)[i]; });
-        along.law.bonded = true;
-        add(pair, group, along);
-      }
-    }
-  return rigid;
-}
-
 /// Columns that span what a support's resistance leaves free, as a projection.
 Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>& resistance) {
   const Eigen::MatrixXd free = motions_not_resisted(resistance);
@@ -217,25 +192,17 @@ std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) co
   return open;
 }
 
-bool FloatingBodies::slide_into_place() const {
-  BodiesOnSprings free = on_contact(pairs_, components_, free_, load(), false),
-                  stuck = on_contact(pairs_, components_, free_, load(), true);
-  if (!free.solve() || !stuck.solve()) return false;
-  bool slides = false;
-  auto spring = stuck.springs.begin();
-  const auto force = [&] { return stuck.press(*spring, stuck.gap(*spring)).first; };
-  for (const ContactPair& pair : pairs_) {
-    double carried = 0, asked = 0;
-    for (std::size_t g = 0; g < pair.groups.size(); ++g) {
-      carried += pair.friction() * force();
-      ++spring;
-      double square = 0;
-      for (int i = 0; i < pair.num_tangents; ++i, ++spring) square += std::pow(force(), 2);
-      asked += std::sqrt(square);
+bool FloatingBodies::held_without_friction() const {
+  BodiesOnSprings rigid(load());
+  for (const ContactPair& pair : pairs_)
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring = spring_of(pair, group, components_);
+      spring.row = spring.row.on(free_, pair.primary, pair.secondary);
+      spring.law.k *= softer;
+      spring.distance = group.initial_gap;
+      rigid.add(spring, group.area);
     }
-    slides |= pair.num_tangents > 0 && asked > carried;
-  }
-  return slides && free.holds(free_);
+  return rigid.solve() && rigid.holds(free_);
 }
 
 bool FloatingBodies::may_slide(const ContactPair& pair) const {

@@ -50,9 +50,9 @@ class FloatingBodies {
   /// coarse cells the other points of a round body seem to lean on a plane that only its lowest one touches. Returns
   /// empty, or the motion that nothing stops.
   FreeMotions not_stopped_by_the_other_side() const;
-  /// Returns whether the loads of the present step ask more than friction carries where closed contact sticks, while
-  /// contact without friction stops all bodies and leaves none a motion: wedges do, blocks on inclines do not.
-  bool slide_into_place() const;
+  /// Returns whether contact without friction stops all bodies under the loads of the present step, and leaves none a
+  /// motion.
+  bool held_without_friction() const;
   /// Returns whether some rigid motion that supports leave free slides a pair along its faces and neither opens nor
   /// presses closed contact: else loads drive none, and what all slips follows prescribed displacements or comes apart.
   bool may_slide(const ContactPair& pair) const;

@@ -102,7 +102,7 @@ void Friction::forget() {
   stress.sync_device();
   residual_ = 1;
   bound_ = ShearBound::any;
-  new_step_ = first_step_ = true;
+  new_step_ = true;
   history_.clear();
   for (const ContactPair& pair : problem_.pairs) {
     const std::size_t count = pair.num_tangents > 0 ? pair.points.size() : 0;
@@ -193,11 +193,26 @@ void Friction::put_into(const ContactGroupArrays<MemSpace>& groups) const {
   Kokkos::deep_copy(Kokkos::subview(groups.zone, rows), arrays_.linear);
 }
 
-void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change, bool slide) {
-  bound_ = first_step_ && slide ? ShearBound::none : ShearBound::any;
+void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
+  bound_ = ShearBound::any;
   if (!any() || !std::exchange(new_step_, false)) return;
   take_gaps(problem_.exec, groups, arrays_, change);
   problem_.exec.fence();
+}
+
+bool Friction::carries_less_than(const std::vector<double>& force) const {
+  std::size_t group = 0, row = first_row_;
+  for (const ContactPair& pair : problem_.pairs) {
+    double carried = 0, asked = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group) {
+      carried += pair.friction() * std::max(0.0, force[group]);
+      double square = 0;
+      for (int i = 0; i < pair.num_tangents; ++i, ++row) square += force[row] * force[row];
+      asked += std::sqrt(square);
+    }
+    if (asked > carried) return true;
+  }
+  return false;
 }
 
 /// Finds the direction in which bodies come together: the mean of what presses them, or of closed points without
@@ -354,7 +369,6 @@ void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, cons
 void Friction::end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   if (!any()) return;
   new_step_ = true;
-  first_step_ = false;
   const Now last = now(groups, change);
   history_ = with_step(last);
   Kokkos::deep_copy(arrays_.reference, last.new_reference);

@@ -1,7 +1,7 @@
 /// Friction in the outer iteration: Coulomb's law with the recovered shear lagged, like the pressure. Each iteration
 /// takes one Newton step of normal and shear together, whose matrix is not symmetric where points slip: mu p follows
 /// the gap (docs/theory.md). In the first solve of a load step all closed points stick, from where they stuck at the
-/// end of the last one; or none of them, where there was none and bodies slide into place (wedges).
+/// end of the last one; or none of them, if that solve has shown that they slide.
 #pragma once
 
 #include <Kokkos_DualView.hpp>
@@ -37,9 +37,13 @@ class Friction {
 
   /// Resets slip and shear to zero.
   void forget();
-  /// Makes closed points stick, until release(), or slide freely in the first step (`slide`).
-  /// change: as below, from which gaps close in this step.
-  void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change, bool slide);
+  /// Makes closed points stick, until slide() or release(). change: as below, from which gaps close in this step.
+  void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  /// Returns whether the shear of the groups of some pair adds up to more than mu times their pressing forces. force:
+  /// of all rows.
+  bool carries_less_than(const std::vector<double>& force) const;
+  /// Lets closed points slide without friction, until release().
+  void slide() { bound_ = ShearBound::none; }
   bool is_released() const { return bound_ == ShearBound::by_pressure; }
   void release() { bound_ = ShearBound::by_pressure; }
 
@@ -91,7 +95,6 @@ class Friction {
   int first_row_ = 0;
   ShearBound bound_ = ShearBound::any;
   bool new_step_ = true;  ///< a step may be solved several times, under several preloads
-  bool first_step_ = true;
   double residual_ = 1;
   std::vector<double> sliding_, asked_;  ///< of each pair
   std::vector<FrictionPoints> history_;  ///< of each pair, with the steps that have ended
