@@ -131,6 +131,30 @@ void take_gaps(const Exec& exec, const ContactGroupArrays<Memory>& groups, const
       });
 }
 
+/// Adds a factor times the gaps and slips of the groups at which lagged stress leaves closed points no force, mean p*/k
+/// and t*/k, m. gaps: of all groups; slips: of the rows of friction.
+template <class Exec, class Memory, class Rows>
+void add_forceless_gaps(const Exec& exec, const ContactGroupArrays<Memory>& groups,
+                        const FrictionArrays<Memory>& friction, double factor, const Rows& gaps, const Rows& slips) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::forceless_gaps", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const int g = friction.normal_group(f), first = groups.first_point(g) - friction.first_point(f);
+        double area = 0, pressure = 0, shear[2] = {0, 0};
+        for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
+          const double w = friction.weight(q);
+          area += w;
+          pressure += w * groups.lagged(first + q) * groups.lagged_unit;
+          for (int i = 0; i < 2; ++i) shear[i] += w * friction.lagged(q, i) * friction.lagged_unit;
+        }
+        const double k = groups.law(g).k * area;
+        gaps(g) += factor * pressure / k;
+        for (int i = 0; i < friction.num_rows(f); ++i)
+          slips(friction.row(f) + i) += factor * friction.frame(f).by_row(i, shear) / k;
+      });
+}
+
 /// Bound of points that do not slip yet, Pa.
 constexpr double any_shear = 1e300;
 

@@ -59,7 +59,7 @@ struct ContactSolver::Impl {
   double renew_stress();
   bool slides_at_once() const;
   void begin_sliding(const RealView& before);
-  void renew_friction();
+  void renew_friction(const RealView& change);
   void take_turned_rows();
   void update_solver();
   LinearSolveResult solve_linear(double tolerance);
@@ -130,7 +130,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   }
   slides_into_place_ = false;
   now_.friction.begin_step(now_.groups(), now_.gap_change());
-  renew_friction();
+  renew_friction(now_.gap_change());
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
 }
@@ -240,22 +240,27 @@ void ContactSolver::Impl::begin_sliding(const RealView& before) {
   Kokkos::deep_copy(now_.u, before);
   slides_into_place_ = now_.floating.any();
   now_.friction.slide();
-  renew_friction();
+  renew_friction(now_.gap_change());
 }
 
 /// Recovers the stress and, with friction, what it bounds; returns how far both are from what the last system had.
 double ContactSolver::Impl::renew_stress() {
   Friction& friction = now_.friction;
-  const double change = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
-  if (!friction.any()) return change;
+  // The forces of the next solution are about those of the last one: what lagged stress changes, gaps take up.
+  const RealView change = friction.any() ? now_.gap_change() : RealView();
+  if (friction.any()) friction.add_forceless_gaps(now_.groups(), -1, change);
+  const double changed = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
+  if (!friction.any()) return changed;
+  friction.add_forceless_gaps(now_.groups(), 1, change);
   const bool released = friction.is_released();
   friction.release();
-  renew_friction();
-  return released ? std::max(change, friction.residual()) : 1;
+  renew_friction(change);
+  return released ? std::max(changed, friction.residual()) : 1;
 }
 
-void ContactSolver::Impl::renew_friction() {
-  if (now_.friction.renew(now_.groups(), now_.gap_change())) take_turned_rows();
+/// change: of the gaps of all rows, m.
+void ContactSolver::Impl::renew_friction(const RealView& change) {
+  if (now_.friction.renew(now_.groups(), change)) take_turned_rows();
 }
 
 void ContactSolver::Impl::take_turned_rows() {

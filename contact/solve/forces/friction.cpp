@@ -257,6 +257,13 @@ void Friction::take_drifts(const ContactGroupArrays<MemSpace>& groups) const {
   Kokkos::deep_copy(arrays_.drift, drift);
 }
 
+void Friction::add_forceless_gaps(const ContactGroupArrays<MemSpace>& groups, double factor,
+                                  const RealView& change) const {
+  Stress(stress).sync_device();  // shares the memory
+  cgcontact::add_forceless_gaps(problem_.exec, groups, arrays_, factor, change, of_friction(change));
+  problem_.exec.fence();
+}
+
 bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   if (!any()) return false;
   stress.sync_device();

@@ -47,6 +47,8 @@ class Friction {
   bool is_released() const { return bound_ == ShearBound::by_pressure; }
   void release() { bound_ = ShearBound::by_pressure; }
 
+  /// Adds a factor times the gaps and slips, of all rows, m, at which the present lagged stress leaves no force.
+  void add_forceless_gaps(const ContactGroupArrays<MemSpace>& groups, double factor, const RealView& change) const;
   /// Renews pressures, bounds, and forces that are linear about the present slip. change: of the gaps of all rows, m.
   /// True: rows of the system have turned.
   bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);

@@ -250,6 +250,35 @@ TYPED_TEST(FrictionKernels, LinearForcesAreTangentToTheLaw) {
   EXPECT_GT(num_coupled, 50) << "the case proves little";
 }
 
+/// Where the lagged stress of all points of a group changes by the same, gaps and slips can move so that no force does.
+TYPED_TEST(FrictionKernels, GapsTakeUpWhatLaggedStressChanges) {
+  const PlainFriction plain(100);
+  PlainFriction other = plain;
+  Numbers random;
+  for (int g = 0; g < 100; ++g) {
+    const double p = random(), t[2] = {random(), plain.num_rows[g] == 2 ? random() : 0};
+    for (int q = plain.first[g]; q < plain.first[g + 1]; ++q) {
+      other.pressed[q] += p;
+      for (int i = 0; i < 2; ++i) other.lagged[q][i] += t[i];
+    }
+  }
+  const auto gaps = this->values_of(plain.gap_change), slips = this->values_of(plain.change);
+  add_forceless_gaps(this->exec, this->groups(plain), this->friction(plain), -1, gaps, slips);
+  add_forceless_gaps(this->exec, this->groups(other), this->friction(other), 1, gaps, slips);
+  const auto gap_change = this->on_host(gaps), change = this->on_host(slips);
+  const std::vector<double> moved(change.data(), change.data() + plain.rows);
+  for (int g = 0; g < 100; ++g) {
+    const std::array<double, 2> slip = plain.by_tangents(g, plain.change), moved_slip = plain.by_tangents(g, moved);
+    EXPECT_NE(gap_change(g), plain.gap_change[g]);
+    for (int q = plain.first[g]; q < plain.first[g + 1]; ++q) {
+      EXPECT_NEAR(other.pressed[q] - plain.k[g] * gap_change(g), plain.pressed[q] - plain.k[g] * plain.gap_change[g],
+                  rounding * 20);
+      for (int i = 0; i < 2; ++i)
+        EXPECT_NEAR(other.law(g, q, moved_slip).z[i], plain.law(g, q, slip).z[i], rounding * 20);
+    }
+  }
+}
+
 TYPED_TEST(FrictionKernels, ExcessIsTheLawLessTheLinearForce) {
   const PlainFriction plain(150);
   const auto f = this->friction(plain);
