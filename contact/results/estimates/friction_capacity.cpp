@@ -322,15 +322,19 @@ std::vector<std::string> friction_warnings(const SolvedState& state) {
           "contact \"{}\": bodies of different materials slip while they are pressed, here in {} step{}: what sticks "
           "depends on the steps, {} or more say it better",
           pair.spec->name, steps, steps == 1 ? "" : "s", min_steps));
-    double farthest = 0;
+    double farthest = 0, cells = 0;
     const std::vector<Vec3>& slip = state.outer.friction[k].slip;
-    for (std::size_t q = 0; q < slip.size(); ++q)
-      if (pair.points.active(q)) farthest = std::max(farthest, slip[q].norm() / pair.groups[pair.points.group(q)].h);
-    if (farthest > small_slip)
+    for (std::size_t q = 0; q < slip.size(); ++q) {
+      if (!pair.points.active(q)) continue;
+      farthest = std::max(farthest, slip[q].norm());
+      cells = std::max(cells, slip[q].norm() / pair.groups[pair.points.group(q)].h);
+    }
+    if (cells > small_slip)
       warnings.push_back(fmt::format(
           "contact \"{}\": the faces slip by up to {:.2g} cells: gaps and opposite points are those before the "
-          "slip, which counts as small",
-          pair.spec->name, farthest));
+          "slip, which counts as small; so are the arms of its forces, and their moments may be wrong by force times "
+          "{:.2g} m",
+          pair.spec->name, cells, farthest));
   }
   return warnings;
 }

@@ -332,6 +332,108 @@ friction = 0.2
   }
 }
 
+/// A pad pressed on a plate by a force P, and dragged along by a displacement in the same step: mu P resists, to the
+/// outer tolerance. Points that stick all over would tilt it far beyond what friction does.
+TEST(FrictionSlides, PadDraggedAtOnce) {
+  constexpr double force = 500;
+  for (const double mu : {0.05, 0.3, 1.0}) {
+    const auto solved = test::run_text(fmt::format(R"scene(
+plane_strain = "x"
+[[body]]
+name = "plate"
+material = {{E = 210e9, nu = 0.3}}
+cell_size = 0.0012
+grid = {{offset = [0, 0.403, 0.545]}}
+shape = {{name = "b", box = {{min = [0, -0.01, -0.008], max = [0.0006, 0.04, 0]}}}}
+[[body]]
+name = "pad"
+material = {{E = 70e9, nu = 0.33}}
+cell_size = 0.001
+grid = {{offset = [0, 0.248, 0.255]}}
+shape = {{name = "b", box = {{min = [0, 0, 0], max = [0.0006, 0.024, 0.004]}}}}
+[[support]]
+face = "plate.z-"
+displacement = {{y = 0, z = 0}}
+[[support]]
+face = "pad.z+"
+displacement = {{y = 0.0002}}
+[[load]]
+face = "pad.z+"
+force = [0, 0, {0}]
+[[contact]]
+faces = ["pad.z-", "plate.z+"]
+friction = {1}
+)scene",
+                                                   -force, mu),
+                                       {});
+    const Results& r = solved->results();
+    ASSERT_TRUE(r.converged) << r.diagnosis;
+    EXPECT_NEAR(r.pairs[0].force_on_first[2] / force, 1, settled);
+    EXPECT_NEAR(friction(r).force[1] / (-mu * force), 1, settled / mu);
+  }
+}
+
+/// Half of a wedge (5 degrees) that a force F drives in against much friction (mu = 1): F = N sin + mu N cos. The first
+/// solve, without friction, has N twelve times as large.
+TEST(FrictionSlides, WedgeHeldByFriction) {
+  constexpr double force = 150, mu = 1, angle = 5 * pi / 180;
+  const auto solved = test::run_text(fmt::format(R"scene(
+plane_strain = "x"
+[parameters]
+c = "tan(5 deg)"
+[[body]]
+name = "wedge"
+material = {{E = 210e9, nu = 0.3}}
+cell_size = 0.001
+grid = {{offset = [0, 0.403, 0.545]}}
+[body.shape.extrude]
+x = [0, 1, 0]
+normal = [1, 0, 0]
+height = 0.0006
+profile = [
+  [0, -0.008],
+  ["10 mm-8 mm*c", -0.008],
+  {{to = ["10 mm+8 mm*c", 0.008], name = "flank"}},
+  {{to = [0, 0.008], name = "head"}},
+  {{to = [0, -0.008], name = "middle"}},
+]
+[[body]]
+name = "block"
+material = {{E = 210e9, nu = 0.3}}
+cell_size = 0.0012
+grid = {{offset = [0, 0.248, 0.255]}}
+[body.shape.extrude]
+x = [0, 1, 0]
+normal = [1, 0, 0]
+height = 0.0006
+profile = [
+  ["10 mm-12 mm*c", -0.012],
+  [0.028, -0.012],
+  {{to = [0.028, 0.012], name = "side"}},
+  ["10 mm+12 mm*c", 0.012],
+  {{to = ["10 mm-12 mm*c", -0.012], name = "flank"}},
+]
+[[support]]
+face = "block.side"
+displacement = {{y = 0, z = 0}}
+[[support]]
+face = "wedge.middle"
+displacement = {{y = 0}}
+[[load]]
+face = "wedge.head"
+force = [0, 0, {}]
+[[contact]]
+faces = ["wedge.flank", "block.flank"]
+friction = 1.0
+)scene",
+                                                 -force),
+                                     {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const double normal = force / (std::sin(angle) + mu * std::cos(angle));
+  EXPECT_NEAR(friction(r).force.norm() / (mu * normal), 1, settled);
+}
+
 /// Where a displacement presses, the estimated error of the force weighs what the stiffness leaves by a solution with
 /// unit forces. What slips hardly changes either.
 TEST(FrictionSlides, ErrorOfTheForceIsAsWithoutFriction) {
